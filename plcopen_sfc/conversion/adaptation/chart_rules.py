@@ -76,7 +76,7 @@ def needs_rewriting(place: Chart, host: ChartHost, options: WriteOptions) -> boo
     if host.is_codesys:
         bodies: list[object] = [row.body for _, row in chart.associations()]
         bodies += [action for s in chart.steps for action in (s.entry_action, s.exit_action)]
-        bodies += [s.main_action for s in chart.steps if not stays_in_place(s.main_action, s, host)]
+        bodies += [s.main_action for s in chart.steps if not stays_in_place(s.main_action, host)]
         own = ("P1", "P0", "DL") if options.final_scan else ("P1", "P0", "DL", "P", "N", "None")
         rows = any(row.negated or row.qualifier in own for _, row in chart.associations())
         conditions = any(_is_foreign(transition.condition, host) for transition in chart.transitions)

@@ -15,9 +15,9 @@ QUALIFIERS_OF_GRAPH = frozenset("CALL ON OFF CS CU CD CR TL TD TR TF".split())
 KINDS_OF_SFC = (None, ActionKind.CONTINUOUS, ActionKind.CONDITIONAL)
 
 
-def stays_in_place(main: Body | str | None, step: Step, host: ChartHost) -> bool:
+def stays_in_place(main: Body | str | None, host: ChartHost) -> bool:
     """True for the main action of a step that the tool has as a text in the step."""
-    return host.keeps_bodies and not step.actions and isinstance(main, StBody | IlBody)
+    return host.keeps_bodies and isinstance(main, StBody | IlBody)
 
 
 def mixed_operands(chart: SfcNetwork) -> set[str]:

@@ -320,7 +320,7 @@ class StepRewriter:
         for kind in ("entry", "main", "exit"):
             body = self._in_words(getattr(step, f"{kind}_action"))
             # an initial step may get actions later that are executed in every scan, in the order of their names
-            if kind == "main" and not step.initial and stays_in_place(body, step, self._host):
+            if kind == "main" and not step.initial and stays_in_place(body, self._host):
                 step.main_action = body
             elif isinstance(body, StBody | IlBody):
                 setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))

@@ -34,6 +34,7 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     open_comment,
 )
 from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span, plain_lines
+from plcopen_sfc.languages.binding import shared_scans
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.il import OPERATORS, is_il
 from plcopen_sfc.languages.il_problems import instruction_problems
@@ -50,7 +51,7 @@ from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.pou import Action, Pou
 from plcopen_sfc.model.text import plain
-from plcopen_sfc.report import Cause, CauseKind, ConversionReport, Outcome
+from plcopen_sfc.report import ORDER_OF_ACTIONS, Cause, CauseKind, ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
 SOURCE = EXPORTS
@@ -367,7 +368,7 @@ class ChartNames:
     """Names in a POU that its charts are written with, and the actions that are `added` for what has no other place."""
 
     def __init__(self, pou: Pou, report: ConversionReport) -> None:
-        self.objects = pou.transitions
+        self._pou, self.objects = pou, pou.transitions
         self.added: list[Action] = []
         self._report = report
         self._used = {action.name.casefold() for action in pou.actions}
@@ -376,12 +377,32 @@ class ChartNames:
         """Return the action with this content: the one that it names, or one that is added and called like `wish`."""
         if isinstance(content, str) and content.casefold() == wish.casefold():
             return content
-        name = take_name(wish, self._used)
-        body = StBody(text=f"{content}();") if isinstance(content, str) else content
-        self.added.append(Action(name=name, body=body))
+        name = self.associated(wish, content)
         if name != wish:
             self._report.add(Outcome.NOT_EXECUTED, "step action", path, f"{wish} is another action of the POU")
         return name
+
+    def associated(self, wish: str, content: str | sfc.Body | None) -> str:
+        """Return the action that is added for an association, called like `wish` where no other one is."""
+        name = take_name(wish, self._used)
+        body = StBody(text=f"{content}();") if isinstance(content, str) else content
+        self.added.append(Action(name=name, body=body))
+        return name
+
+    def note_order(self, chart: sfc.SfcNetwork, main_names: Mapping[int, str], path: str) -> None:
+        """Report where main actions that are associations, `main_names`, make another order of a scan.
+
+        CoDeSys 2.3 executes associations in the order of their names.
+        """
+
+        def moved(row: tuple[sfc.Step, sfc.ActionAssociation]) -> shared_scans.Place | None:
+            step, association = row
+            is_main = association.qualifier is Qualifier.N and all(association is not each for each in step.actions)
+            return shared_scans.place_of_name(main_names[step.id]) if is_main and step.id in main_names else None
+
+        for told in shared_scans.changed_places(chart, self._pou, Dialect.CODESYS, moved) if main_names else ():
+            why = f"CoDeSys 2.3 executes the actions of a scan by their names: {told}"
+            self._report.add(Outcome.APPROXIMATED, ORDER_OF_ACTIONS, path, why)
 
     def check_other(self, name: str, path: str) -> None:
         """Report an action of the POU that a step executes by its name, though the source has none at this step."""
@@ -442,6 +463,8 @@ def chart_blocks(body: sfc.SfcBody, names: ChartNames, path: str) -> Iterator[Wr
         yield WrittenBlock(("comments", ""), plain(body.comment), verbatim=True)
     waiting = [each for each in _in_order(chart) if all(_sides(chart, each))]
     labels = chart.labels()
+    main_names = _main_names(chart)
+    names.note_order(chart, main_names, path)
     written: set[int] = set()
 
     def transition_blocks(count: int) -> Iterator[WrittenBlock]:
@@ -452,7 +475,7 @@ def chart_blocks(body: sfc.SfcBody, names: ChartNames, path: str) -> Iterator[Wr
     for step in chart.steps:
         ready = takewhile(lambda each: written.issuperset(each[1].sources), enumerate(waiting, 1))
         yield from transition_blocks(next((count for count, each in ready if step.id in each.targets), 0))
-        yield _step_block(step, names, f"{path} / step {step.name}")
+        yield _step_block(step, names, f"{path} / step {step.name}", main_names.get(step.id, ""))
         written.add(step.id)
     yield from transition_blocks(len(waiting))
 
@@ -468,10 +491,34 @@ def _in_order(chart: sfc.SfcNetwork) -> list[sfc.Transition]:
     return found
 
 
-def _step_block(step: sfc.Step, names: ChartNames, path: str) -> WrittenBlock:
+def _main_names(chart: sfc.SfcNetwork) -> dict[int, str]:
+    """Return the names of the main actions of steps with associations, by the ids of the steps.
+
+    Those of bodies in place come before all others, in the order of the steps: CoDeSys 2.3 executes associated actions
+    by their names.
+    """
+    steps = [step for step in chart.steps if step.actions and step.main_action is not None]
+    found = {step.id: step.main_action for step in steps if isinstance(step.main_action, str)}
+    names = {step.id: f"{step.name}_active" for step in steps if step.id not in found}
+    others = {name.casefold() for step in chart.steps for name in (*_associated(step), found.get(step.id, "")) if name}
+    in_order = [name.casefold() for name in names.values()]
+    if in_order != sorted(in_order) or (names and min(others) <= in_order[-1]):
+        width = len(str(len(names) - 1))
+        names = {step: f"A{number:0{width}}_{name}" for number, (step, name) in enumerate(names.items())}
+    return found | names
+
+
+def _associated(step: sfc.Step) -> Iterator[str]:
+    """Yield the names of the actions that a step is written with."""
+    for number, each in enumerate(step.actions, 1):
+        yield each.target or f"{step.name}_action{number}"
+
+
+def _step_block(step: sfc.Step, names: ChartNames, path: str, main_name: str) -> WrittenBlock:
+    """Return the block of a step; `main_name` is that of its main action if it has associations, too."""
     word = "INITIAL_STEP" if step.initial else "STEP"
     blocks = [WrittenBlock(("head", ""), f"{word} {step.name}:")]
-    if associations := [*_associations(step, names, path)]:
+    if associations := [*_associations(step, names, path, main_name)]:
         names.note_associations(len(associations), path, initial=step.initial)
         blocks.append(WrittenBlock(("associations", ""), "\n".join(associations)))
     elif text := f"{step.main_action}();" if isinstance(step.main_action, str) else body_text(step.main_action):
@@ -495,9 +542,9 @@ def _step_block(step: sfc.Step, names: ChartNames, path: str) -> WrittenBlock:
     return WrittenBlock(("step", step.name), blocks=tuple(blocks))
 
 
-def _associations(step: sfc.Step, names: ChartNames, path: str) -> Iterator[str]:
+def _associations(step: sfc.Step, names: ChartNames, path: str, main_name: str) -> Iterator[str]:
     """Yield the associations of a step, the last its main action if it has both."""
-    for number, each in enumerate(step.actions, 1):
+    for each, called in zip(step.actions, _associated(step), strict=True):
         if each.qualifier is Qualifier.P1 and names.is_variable(each):
             names.note_pulse(each, path)
             yield f"{each.target}(P);"
@@ -505,12 +552,12 @@ def _associations(step: sfc.Step, names: ChartNames, path: str) -> Iterator[str]
         if each.qualifier not in _QUALIFIERS.values() and each.qualifier is not Qualifier.NONE:
             names.leave_out(each, path)
             continue
-        target = each.target or names.action(f"{step.name}_action{number}", each.body, path)
+        target = each.target or names.associated(called, each.body)
         qualifier = Qualifier.N if each.qualifier is Qualifier.NONE else each.qualifier
         yield f"{target}({qualifier}{f',{each.duration}' if each.duration else ''});"
-    if step.actions and step.main_action is not None:
+    if main_name:
         main = step.main_action
-        yield f"{main if isinstance(main, str) else names.action(f'{step.name}_active', main, path)}(N);"
+        yield f"{main_name if main == main_name else names.associated(main_name, main)}(N);"
 
 
 def _in_pragma(value: str) -> str:

@@ -211,3 +211,48 @@ def test_a_union_is_refused() -> None:
     project = sfc.loads(b"PROGRAM Main VAR u : U; END_VAR u.a := 1; END_PROGRAM " + types, format="iec-text")
     _, report = sfc.convert(project, "codesys23", partial=True)
     assert any("has no UNION" in item.why for item in report.with_outcome(Outcome.NOT_EXECUTED))
+
+
+TWO_ACTIONS = """{plcopen_sfc format := 1}
+{plcopen_sfc project.dialect := 'codesys'}
+FUNCTION_BLOCK Fb
+VAR_INPUT go, back : BOOL; END_VAR
+VAR_OUTPUT n : INT := 1; END_VAR
+INITIAL_STEP Init: END_STEP
+TRANSITION FROM Init TO (S2, S1) := go; END_TRANSITION
+STEP S2: Foo(N); END_STEP
+STEP S1: Aa(N); END_STEP
+TRANSITION FROM (S2, S1) TO Init := back; END_TRANSITION
+ACTION Foo: n := n * 2 MOD 1000; END_ACTION
+ACTION Aa: n := n * 3 MOD 1000; END_ACTION
+ACTION S2_active: n := 0; END_ACTION
+END_FUNCTION_BLOCK
+"""
+
+
+def test_main_actions_in_place_come_before_associations() -> None:
+    source = sfc.loads(sfc.convert(sfc.loads(TWO_ACTIONS.encode(), format="iec-text"), "codesys23", partial=True)[0])
+    chart = source.pou("Fb").chart
+    for name, text in (("S2", "n := n + 1;"), ("S1", "n := n * 5;")):
+        chart.step(name).main_action = m.StBody(text=text)
+    data, report = sfc.convert(source)
+    assert not [each for each in report.losses if each.what in ("order of actions", "step action")]
+    values = [
+        [*sfc.simulate(each, pou="Fb", scans=6, inputs=lambda scan, _: {"go": scan == 1})["n"]]
+        for each in (source, sfc.loads(data, as_tool=True))
+    ]
+    assert values[0] == values[1]
+    assert len({*values[0]}) > 3
+
+
+@pytest.mark.parametrize(("action", "is_told"), [("n := n + 1;", True), ("other := 1;", False)])
+def test_a_main_action_behind_another_by_its_name_is_told(action: str, is_told: bool) -> None:
+    text = TWO_ACTIONS.replace("S2_active: n := 0;", f"S2_active: {action}").replace("n : INT", "other, n : INT")
+    source = sfc.loads(text.encode(), format="iec-text")
+    source.pou("Fb").chart.step("S2").main_action = "S2_active"
+    exported = sfc.loads(sfc.convert(source, "codesys", partial=True)[0], as_tool=True)
+    _, report = sfc.convert(exported, "codesys23", partial=True)
+    told = [(each.path, each.why) for each in report.losses if each.what == "order of actions"]
+    by_names = "CoDeSys 2.3 executes the actions of a scan by their names: S2_active and"
+    of_actions = [("POU Fb", f"{by_names} {name} would change places in a scan (n)") for name in ("Foo", "Aa")]
+    assert told == (of_actions if is_told else [])
