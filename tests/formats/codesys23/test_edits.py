@@ -73,6 +73,15 @@ def add_step(project: m.Project) -> None:
     chart.add_transition("Quittieren", "Bereit", condition="S1_Start")
 
 
+def insert_step(project: m.Project) -> None:
+    project.edit().insert_step("Zwischen", belt(project).transition("Warten -> Zurueck"), "TRUE")
+
+
+def insert_step_before(project: m.Project) -> None:
+    link = belt(project).transition("Pruefen -> Abtransport")
+    project.edit().insert_step("Zwischen", link, "S3_Halt", before=True)
+
+
 def remove_transition(project: m.Project) -> None:
     chart = belt(project)
     chart.transitions.remove(chart.transition("Pendel_Zaehlen -> Pruefen"))
@@ -124,6 +133,38 @@ def rename_global(project: m.Project) -> None:
                 "+TRANSITION FROM Quittieren TO Bereit:=",
                 "+S1_Start",
                 "+END_TRANSITION",
+            ],
+        ),
+        (
+            insert_step,
+            [
+                "-TRANSITION FROM Warten TO Zurueck:=",
+                "+TRANSITION FROM Warten TO Zwischen:=",
+                "+END_TRANSITION",
+                "+STEP Zwischen:",
+                "+END_STEP",
+                "+(* @SFCMAXTIME := '' *)",
+                "+(* @SFCMINTIME := '' *)",
+                "+(* @SFCCOMMENT := '' *)",
+                "+TRANSITION FROM Zwischen TO Zurueck:=",
+                "+TRUE",
+            ],
+        ),
+        (
+            insert_step_before,
+            [
+                "+STEP Zwischen:",
+                "+END_STEP",
+                "+(* @SFCMAXTIME := '' *)",
+                "+(* @SFCMINTIME := '' *)",
+                "+(* @SFCCOMMENT := '' *)",
+                "-TRANSITION FROM Pruefen TO Abtransport:=",
+                "+TRANSITION FROM Pruefen TO Zwischen:=",
+                "+S3_Halt",
+                "+",
+                "+END_TRANSITION",
+                "+TRANSITION FROM Zwischen TO Abtransport:=",
+                "-",
             ],
         ),
         (remove_transition, ["-TRANSITION FROM Pendel_Zaehlen TO Pruefen:=", "-TRUE", "-", "-END_TRANSITION"]),
