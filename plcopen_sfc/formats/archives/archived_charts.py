@@ -97,6 +97,7 @@ class ChartReader:
         self._conditions = conditions
         self._drawn = DrawnChart(ctx)
         self._macros: list[etree._Element] = []
+        self._associations: set[int] = set()
         self._next = 0
 
     def read(self, chart: etree._Element) -> Fields:
@@ -234,6 +235,11 @@ class ChartReader:
         if duration.strip():
             association["duration"] = duration.strip()
         number = number_of(member(element, "Id"))
+        if number is None or number in self._associations:
+            problem = "has no number" if number is None else f"has the number {number}, which another one has"
+            self._ctx.error("SFC101", f"an association {problem}", element)
+        else:
+            self._associations.add(number)
         return {**association, **fields}, {"output": {}}, str(number) if number is not None else None
 
     def _transition(self, element: etree._Element, fields: Fields, above: int | None) -> int:

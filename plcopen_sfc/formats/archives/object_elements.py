@@ -106,6 +106,8 @@ class _Reader:
             raise self._refused("has no declaration")
         project = self._declared(thing, declaration)
         if thing.tag != "POU":
+            if thing.tag == "GVL" and not thing.get("Name"):
+                self._ctx.error("TWC108", "a list of global variables has no name", thing)
             self._name(project)
             return project
         if len(project.pous) != 1:

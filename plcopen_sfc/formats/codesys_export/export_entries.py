@@ -22,6 +22,7 @@ from plcopen_sfc.formats.codesys_export.export_notation import (
     change_text,
     member,
     new_text,
+    repeated_lines,
     shortened,
     spelled_out,
     take_line,
@@ -243,6 +244,7 @@ def damages(entry: Entry, known: Mapping[str, Entry]) -> Iterator[tuple[str, etr
         held = member(content, name)
         if held is not None and held.tag != NONE and held.get("Type", "").casefold() in (TEXT, _DECLARED):
             yield from (("the text", each) for each in broken_texts(held))
+            yield from (("a number of its own for each line", each) for each in repeated_lines(held))
     if entry.kind == TASK:
         yield from ((what, element) for what in _damages_of_task(entry, known))
         calls = member(content, "PouList")

@@ -170,6 +170,17 @@ def broken_texts(holder: etree._Element) -> Iterator[etree._Element]:
                 yield line
 
 
+def repeated_lines(holder: etree._Element) -> Iterator[etree._Element]:
+    """Yield the lines of an ``Interface`` or ``Implementation`` that have the number of a line before them."""
+    lines = member(holder, "TextDocument", _LINES)
+    seen: set[str] = set()
+    for line in lines.iterchildren(SINGLE) if lines is not None else ():
+        number = value(line, "Id")
+        if number in seen:
+            yield line
+        seen.add(number)
+
+
 def line_elements(holder: etree._Element | None) -> list[etree._Element]:
     """Return the element of each line of such a text, where it has one for each."""
     lines = member(holder, "TextDocument", _LINES)

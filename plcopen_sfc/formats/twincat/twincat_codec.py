@@ -60,8 +60,9 @@ def read_task(ctx: Tc6ReadContext, element: etree._Element) -> Project:
         if whole_number(text) is None:
             ctx.error("TWC110", f"{name} of the task is {text or 'missing'}, and no whole number", element)
     for thing in (element, *element.iterfind("PouCall")):
-        if not (thing.get("Name") if thing is element else thing.findtext("Name", "").strip()):
-            ctx.error("TWC110", f"a {thing.tag} has no name", thing)
+        names = [thing.get("Name", "")] if thing is element else [each.text or "" for each in thing.iterfind("Name")]
+        if len(names) != 1 or not names[0].strip():
+            ctx.error("TWC110", f"a {thing.tag} has {'several names' if len(names) > 1 else 'no name'}", thing)
     cycle = whole_number((element.findtext("CycleTime") or "").strip())
     task = Task(name=element.get("Name", ""))
     task.priority = whole_number((element.findtext("Priority") or "").strip()) or 0

@@ -189,6 +189,12 @@ LACKING = {
     "a body": ('Name="Implementation" Type="{74f81948', 'Name="Body" Type="{74f81948', "TWC108", "Mischer"),
     "a text": ('Name="TextBlobForSerialisation"', 'Name="Blob"', "CEX105", "the text"),
     "a line of a text": ('<Single Name="Text"', '<Single Name="Txt"', "CEX105", "the text"),
+    "a number for each line": (
+        '<Single Name="Id" Type="long">4</Single>',
+        '<Single Name="Id" Type="long">3</Single>',
+        "CEX105",
+        "a number of its own for each line",
+    ),
     "a name": ('Name="Name" Type="string">Zaehlen', 'Name="Nam" Type="string">Zaehlen', "CEX105", "Name"),
     "an identity": ('<Single Name="Guid"', '<Single Name="Gid"', "CEX105", "Guid"),
     "the programs of a task": ('Name="PouList"', 'Name="Pous"', "CEX105", "PouList"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import re
 import shutil
@@ -581,6 +582,7 @@ def test_parts_that_are_there_twice_or_have_no_name_are_errors(old: bytes, new: 
         (b"<CycleTime>20000", b"<CycleTime>2O000", "CycleTime of the task is 2O000"),
         (b"<Priority>1<", b"<Priority><", "Priority of the task is missing"),
         (b"<Name>PLC_PRG</Name>", b"", "a PouCall has no name"),
+        (b"<Name>PLC_PRG</Name>", b"<Name>PLC_PRG</Name><Name>PLC_PRG</Name>", "a PouCall has several names"),
         (b'Name="MainTask"', b"", "a Task has no name"),
     ],
 )
@@ -1016,6 +1018,29 @@ def test_each_attribute_that_an_element_lacks_is_told() -> None:
             assert told[0].location.line
             held.insert(place, attribute)  # type: ignore[union-attr]
     assert seen == {(kind, each.name) for kind, table in ELEMENTS.items() for each in table.values()}
+
+
+def test_an_association_that_is_there_twice_is_told() -> None:
+    """A list of associations was read with all, whatever their numbers are."""
+    tree = etree.fromstring(CHART.read_bytes())
+    held = next(each for each in tree.iter("l2") if each.get("cet") == "SFCActionAssociation" and len(each))
+    held.append(copy.deepcopy(held[0]))
+    found = [each for each in sfc.loads(etree.tostring(tree)).diagnostics if each.code == "SFC101"]
+    assert len(found) == 1
+    assert "an association has the number" in found[0].message
+    number = held[0].find("v[@n='Id']")
+    assert number is not None
+    held[:] = [held[0]]
+    held[0].remove(number)
+    assert "an association has no number" in str(sfc.loads(etree.tostring(tree)).diagnostics)
+
+
+def test_a_list_of_global_variables_without_a_name_is_told() -> None:
+    data = (BELT / "GVLs" / "GVL_EA.TcGVL").read_bytes().replace(b'<GVL Name="GVL_EA"', b"<GVL")
+    project = sfc.loads(data)
+    (found,) = project.diagnostics
+    assert (found.code, found.severity, found.location.line) == ("TWC108", sfc.Severity.ERROR, 3)
+    assert sfc.dumps(project) == data
 
 
 def test_a_file_that_is_listed_without_its_path_is_told(tmp_path: Path) -> None:
