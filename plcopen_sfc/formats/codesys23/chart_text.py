@@ -32,6 +32,7 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     find_end,
     is_in_comment,
     open_comment,
+    without_comments,
 )
 from plcopen_sfc.formats.text_patch import Key, Place, WrittenBlock, block_span, plain_lines
 from plcopen_sfc.languages.binding import shared_scans
@@ -59,9 +60,13 @@ SOURCE = EXPORTS
 Note = Callable[[str, str, int], None]
 """Takes a finding: the code of an error, its message, and the offset."""
 
-_ELEMENT = re.compile(r"[ \t]*(?:(INITIAL_STEP|STEP)[ \t]+(\w+)[ \t]*:|TRANSITION\b)", re.IGNORECASE)
-_NEXT_ELEMENT = re.compile(rf"(?:^|(?<=\*\))|(?<=\bEND_STEP)|(?<=\bEND_TRANSITION)){_ELEMENT.pattern}", re.M | re.I)
-"""An element at the start of a line, or behind a comment or the element before it."""
+_ELEMENT = re.compile(r"[ \t]*(?:(INITIAL_STEP|STEP)[ \t]+(\w+)[ \t]*:|TRANSITION\b(?!\s*:=))", re.IGNORECASE)
+_NEXT_ELEMENT = re.compile(
+    r"(?:^|(?<=\*\))|(?<=\bEND_STEP)|(?<=\bEND_TRANSITION))[ \t]*(?:INITIAL_STEP|STEP|TRANSITION)\b",
+    re.MULTILINE | re.IGNORECASE,
+)
+"""A word at the start of a line, or behind a comment or the element before it, where an element may begin."""
+_FIRST_WORD_OF_CHART = re.compile(r"[ \t]*(?:INITIAL_STEP|STEP|TRANSITION)\b", re.IGNORECASE)
 _NAMES = r"(\w+|\(\s*\w+(?:\s*,\s*\w+)*\s*\))"
 _TRANSITION = re.compile(
     r"[ \t]*TRANSITION\s+(?:(?!FROM\b)(\w+)\s*)?(?:\(\s*PRIORITY\s*:=\s*(\d+)\s*\)\s*)?"
@@ -85,7 +90,10 @@ _MARKED = re.compile(r"\s*_[A-Z]+_BODY\b")
 
 def is_chart(text: str, span: Span) -> bool:
     """True if the body in `span` is a chart."""
-    return _ELEMENT.match(text, after_comments(text, *span), span[1]) is not None
+    start = after_comments(text, *span)
+    if _FIRST_WORD_OF_CHART.match(text, start, span[1]) is None:  # no look at the comments of a program
+        return False
+    return _ELEMENT.match(without_comments(text, (start, span[1])), start, span[1]) is not None
 
 
 def read_text_body(text: str, span: Span) -> sfc.Body | None:
@@ -181,6 +189,8 @@ class _ChartReader:
     def __init__(self, text: str, span: Span, names: PouNames, note: Note) -> None:
         self.text = text
         self.span = span
+        self.headers = without_comments(text, span)
+        self.in_headers: list[Span] = []
         self.names = names
         self.note = note
         self.chart = sfc.SfcNetwork()
@@ -201,7 +211,7 @@ class _ChartReader:
                     comments.append(span)
             if solid >= limit:
                 break
-            element = _ELEMENT.match(self.text, solid, limit)
+            element = _ELEMENT.match(self.headers, solid, limit)
             following = self._next_element(element.end() if element is not None else solid + 1)
             if element is None:
                 self.note("EXP104", "this belongs to no step and to no transition", solid)
@@ -211,16 +221,29 @@ class _ChartReader:
             else:
                 position = self._transition(solid, element.end(), following)
         self._connect()
-        if comments:
-            self.found.body.comment = "\n".join(plain_lines(self.text[start:end]) for start, end in comments)
-            self.found.places.append((("comments", ""), comments[0], ()))
+        if every := [*comments, *self.in_headers]:
+            self.found.body.comment = "\n".join(plain_lines(self.text[start:end]) for start, end in every)
+            place = comments[0] if comments else (self.span[0], self.span[0])
+            self.found.places.append((("comments", ""), place, ()))
         return self.found
 
     def _next_element(self, position: int) -> int:
         for found in _NEXT_ELEMENT.finditer(self.text, position, self.span[1]):
-            if not is_in_comment(self.text, position, found.start()):
+            is_element = _ELEMENT.match(self.headers, found.start(), self.span[1]) is not None
+            if is_element and not is_in_comment(self.text, position, found.start()):
                 return found.start()
         return self.span[1]
+
+    def _keep_comments(self, start: int, end: int) -> None:
+        """Keep the comments in the header of an element."""
+        while True:
+            start = next((at for at in range(start, end) if self.text[at] != self.headers[at]), end)
+            if start == end:
+                return
+            behind = after_comments(self.text, start, end)
+            behind = start + len(self.text[start:behind].rstrip())
+            self.in_headers.append((start, behind))
+            start = behind
 
     def _number(self) -> int:
         self.next_id += 1
@@ -238,6 +261,7 @@ class _ChartReader:
         name = element[2]
         step = sfc.Step(id=self._number(), name=name, initial=element[1].upper() == "INITIAL_STEP")
         start = element.start(1)
+        self._keep_comments(start, element.end())
         end = self._end(element.end(), following, "END_STEP", f"the step {name}", start)
         places: list[Place] = [(("head", ""), (start, element.end()), ())]
         inside = core(self.text, (element.end(), end[0]))
@@ -301,12 +325,13 @@ class _ChartReader:
         return found
 
     def _transition(self, start: int, behind: int, following: int) -> int:
-        header = _TRANSITION.match(self.text, start, following)
+        header = _TRANSITION.match(self.headers, start, following)
         end = self._end(header.end() if header else behind, following, "END_TRANSITION", "this transition", start)
         if header is None:
             message = "a transition is TRANSITION FROM steps TO steps := condition END_TRANSITION"
             self.note("EXP103", message, start)
             return end[1]
+        self._keep_comments(start, header.end())
         transition = sfc.Transition(id=self._number(), name=header[1] or "")
         transition.priority = whole_number(header[2])
         inside = _condition_core(self.text, (header.end(), end[0]))

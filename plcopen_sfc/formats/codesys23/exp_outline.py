@@ -272,6 +272,22 @@ def open_comment(text: str, start: int, end: int) -> int | None:
     return next(iter(opened), None)
 
 
+def without_comments(text: str, span: Span) -> str:
+    """Return `text` with blanks in the place of the comments in `span`, their line ends too, but for an open one."""
+    parts: list[str] = []
+    behind = 0
+    opened: list[int] = []
+    for mark in _MARKS.finditer(text, *span):
+        if mark.group() == "(*":
+            opened.append(mark.start())
+        elif mark.group() == "*)" and opened:
+            begin = opened.pop()
+            if not opened:
+                parts += (text[behind:begin], " " * (mark.end() - begin))
+                behind = mark.end()
+    return "".join([*parts, text[behind:]])
+
+
 def after_comments(text: str, position: int, limit: int) -> int:
     """Return where anything but comments and blanks begins, `limit` if nothing does."""
     while position < limit:

@@ -164,6 +164,35 @@ def test_comments_may_share_a_line_with_an_element(word: str, commented: str) ->
     assert sfc.dumps(project) == re.sub(rb"\bB\b", b"C", before)
 
 
+@pytest.mark.parametrize(
+    ("header", "commented"),
+    [
+        ("STEP B:", "STEP (* of (* B *) *) B (* : *) :"),
+        ("INITIAL_STEP A:", "INITIAL_STEP(* A *) A:"),
+        ("TRANSITION FROM B TO A:=", "TRANSITION (* x *) FROM B TO A:="),
+        ("TRANSITION FROM B TO A:=", "TRANSITION FROM (* y *) B (* TO *) TO(* z *)A (* end *) :="),
+        ("TRANSITION FROM A TO B:=", "TRANSITION FROM A TO (* two\r\n lines *) B:="),
+    ],
+)
+def test_comments_in_the_header_of_an_element(header: str, commented: str) -> None:
+    text = (TWO_STEPS + BACK).replace(header, commented)
+    project = chart(text)
+    assert not project.diagnostics
+    assert project.pou("Main").chart == chart(TWO_STEPS + BACK).pou("Main").chart
+    body = project.pou("Main").body
+    assert isinstance(body, m.SfcBody)
+    assert str(body.comment).count("(*") == commented.count("(*")
+    before = sfc.dumps(project)
+    project.rename("Main.B", "C")
+    assert sfc.dumps(project) == re.sub(rb"(?<!of \(\* )\bB\b", b"C", before)
+
+
+def test_a_variable_may_be_called_like_an_element() -> None:
+    project = chart("Transition := Step + 1;", "Transition, Step : INT;")
+    assert not project.diagnostics
+    assert isinstance(project.pou("Main").body, StBody)
+
+
 def test_comments_that_do_not_nest_in_their_project_are_told() -> None:
     lines = "PROGRAM Main\nVAR END_VAR\n(* @END_DECLARATION := '0' *)\n; (* a (* b *)\n; (* '(*' *)\nEND_PROGRAM\n"
     project = sfc.loads(f"{HEADER}{lines}".replace("'Yes'", "'No'").encode(), format="codesys23")
@@ -173,7 +202,7 @@ def test_comments_that_do_not_nest_in_their_project_are_told() -> None:
 
 
 def test_a_rename_tells_what_could_not_be_read() -> None:
-    project = chart(TWO_STEPS + BACK.replace("FROM", "(* from *) FROM"))
+    project = chart(TWO_STEPS + BACK.replace(" TO ", " THEN "))
     (found,) = project.rename("Main.B", "C").undecided
     assert (found.use.path, found.use.line) == ("POU Main", project.diagnostics[0].location.line)
     assert not chart(TWO_STEPS + BACK).rename("Main.B", "C").undecided
