@@ -40,8 +40,14 @@ def _is_iec_text(head: FileHead) -> bool:
 
 
 _SCL_UNIT = re.compile(
-    r"(?:ORGANIZATION_BLOCK|DATA_BLOCK|(?:FUNCTION_BLOCK|FUNCTION|TYPE)\s+(?:\"|(?:FB|FC|UDT)\d+\b))", re.IGNORECASE
+    r"ORGANIZATION_BLOCK|DATA_BLOCK|(?:FUNCTION_BLOCK|FUNCTION|TYPE)\s+(?:\"|(?P<number>(?:FB|FC|UDT)\d+\b))",
+    re.IGNORECASE,
 )
+_SCL_SIGN = re.compile(
+    r"^[ \t]*(?:BEGIN|(?:TITLE|VERSION|AUTHOR|FAMILY|NAME)\s*[:=]|KNOW_HOW_PROTECT)|(?<!\w)#[^\W\d]|:\s*VOID\b|\"",
+    re.IGNORECASE | re.MULTILINE,
+)
+"""What only sources of S7 have: a block of any tool may be called ``FB1``."""
 _BEFORE_UNITS = re.compile(r"\s*+(?:(?>\(\*.*?\*\)|//[^\r\n]*+|\(/\*.*?\*/\)|/\*.*?\*/)\s*+)*+", re.DOTALL)
 _OWN_SCL = "// {plcopen_sfc "
 
@@ -49,7 +55,10 @@ _OWN_SCL = "// {plcopen_sfc "
 def _is_scl(head: FileHead) -> bool:
     start = _BEFORE_UNITS.match(head.text)
     position = start.end() if start is not None else 0
-    return _SCL_UNIT.match(head.text, position) is not None or head.text.startswith(_OWN_SCL)
+    found = _SCL_UNIT.match(head.text, position)
+    if found is not None and found["number"] is not None and _SCL_SIGN.search(head.text, position) is None:
+        return False
+    return found is not None or head.text.startswith(_OWN_SCL)
 
 
 _EXPORT = re.compile(

@@ -46,7 +46,7 @@ from plcopen_sfc.languages.translation import (
     translate,
 )
 from plcopen_sfc.languages.translation.arithmetic_translation import ArithmeticTranslator
-from plcopen_sfc.languages.translation.call_translation import other_rounding
+from plcopen_sfc.languages.translation.call_translation import other_bits, other_rounding
 from plcopen_sfc.languages.translation.renames import kept_renames
 from plcopen_sfc.languages.translation.translation_context import TITLES, NameTable, Notes, family
 from plcopen_sfc.model import (
@@ -224,7 +224,9 @@ def _rounding_boxes(
 ) -> Iterator[TranslatedText]:
     for site in sites:
         is_box = site.key == "type_name" and isinstance(site.owner, Block) and site.text.casefold() not in functions
-        if is_box and (why := other_rounding(site.text.upper(), family(source), family(target))):
+        tools = family(source), family(target)
+        why = (other_rounding(site.text.upper(), *tools) or other_bits(site.text.upper(), *tools)) if is_box else ""
+        if why:
             yield TranslatedText(site.report_path, changed=False, notes=(Note(Severity.WARNING, why, (0, 0), 1, 1),))
 
 

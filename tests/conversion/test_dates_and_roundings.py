@@ -186,3 +186,119 @@ def test_a_counter_of_s7_without_a_sign_is_reported_where_it_gets_one(
     text = text.replace("CU := up, ", "") if counter == "CTD_UINT" else text
     given = sfc.dumps(sfc.loads(text.encode(), format="iec-text"), format="simaticml")
     assert [item.what for item in sfc.convert(sfc.loads(given), target).report.losses] == told
+
+
+RAW = "VAR_INPUT d : DWORD; w : LWORD; r : REAL; l : LREAL; END_VAR VAR_OUTPUT n, m : REAL; k : DWORD; END_VAR"
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml", "plcopen-2.01"])
+@pytest.mark.parametrize("body", ["n := DWORD_TO_REAL(d);", "n := TO_REAL(d);", "k := REAL_TO_DWORD(r);"])
+def test_bit_strings_of_codesys_are_numbers_where_others_take_their_bits(body: str, target: str) -> None:
+    project = block(RAW, body)
+    data, report = sfc.convert(project, target)
+    assert {item.outcome for item in report.losses} <= {Outcome.APPROXIMATED}  # halves are rounded otherwise
+    values = []
+    for each in (project, sfc.loads(data, as_tool=True)):
+        instance = Controller(each).instance("Main")
+        instance["d"] = 1024
+        instance["r"] = 2048.0
+        instance.scan()
+        values.append((instance["n"], instance["k"]))
+    assert values[0] == values[1]
+    assert values[0] in ((1024.0, 0), (0.0, 2048))
+
+
+@pytest.mark.parametrize("body", ["n := DWORD_TO_REAL(d);", "k := REAL_TO_DWORD(r);", "l := LWORD_TO_LREAL(w);"])
+@pytest.mark.parametrize("tool", ["scl", "iec"])
+def test_bits_of_others_are_no_numbers_in_codesys(tool: str, body: str) -> None:
+    project = block(RAW, body, tool)
+    project.dialect = Dialect.IEC if tool == "iec" else project.dialect
+    target, flavour = ("codesys", "") if tool == "scl" else ("iec-text", "matiec")
+    assert Outcome.NOT_EXECUTED in [outcome for outcome, why in losses(project, target, flavour) if "the number" in why]
+
+
+def test_line_ends_in_strings_have_as_many_characters_in_s7() -> None:
+    body = "n := LEN('a$Nb$$N'); q := s = '$n';"
+    variables = "VAR_INPUT s : STRING := 'x$N'; END_VAR VAR_OUTPUT n : INT; q : BOOL; END_VAR"
+    project = block(variables, body)
+    data, _ = sfc.convert(project, "scl", partial=True)
+    assert "'a$Lb$$N'" in data.decode()
+    back, _ = sfc.convert(sfc.loads(data, format="scl"), "codesys", partial=True)
+    assert "'a$Lb$$N'" in back.decode()
+    for each in (project, sfc.loads(data, format="scl", as_tool=True), sfc.loads(back, as_tool=True)):
+        instance = Controller(each).instance("Main")
+        instance.scan()
+        assert instance["n"] == 5
+    of_s7 = block("VAR_OUTPUT n : INT; END_VAR", "n := 0;", "scl")
+    of_s7.pous[0].bodies[0].text = "#n := LEN('a$Nb');"  # type: ignore[union-attr]  # it is structured text
+    assert "'a$R$Lb'" in sfc.dumps(of_s7, format="codesys").decode()
+    instance = Controller(of_s7).instance("Main")
+    instance.scan()
+    assert instance["n"] == 4
+
+
+CHOICES = (
+    "FUNCTION Tick : INT VAR_INPUT x : INT; END_VAR VAR_EXTERNAL g : INT; END_VAR g := g + x; Tick := x; END_FUNCTION"
+)
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml", "plcopen-2.01"])
+@pytest.mark.parametrize(
+    ("body", "is_told"),
+    [
+        ("n := SEL(a, Tick(1), Tick(10));", True),
+        ("n := SEL(k = 0, 100 / k, 0);", True),
+        ("n := MUX(0, Tick(1), k);", True),
+        ("n := SEL(a, k + 1, 100 / 7);", False),
+        ("n := SEL(a, ABS(k), INT_TO_DINT(3));", False),
+    ],
+)
+def test_arguments_that_only_codesys_leaves_out_are_told(body: str, is_told: bool, target: str) -> None:
+    variables = "VAR_INPUT a : BOOL; k : INT; END_VAR VAR_OUTPUT n : DINT; END_VAR"
+    project = block(variables, body, more=f"VAR_GLOBAL g : INT; END_VAR {CHOICES}")
+    told = [outcome for outcome, why in losses(project, target) if "alone that is taken" in why]
+    assert told == [Outcome.APPROXIMATED] * is_told
+
+
+@pytest.mark.parametrize("target", ["scl", "simaticml", "plcopen-2.01"])
+def test_a_selector_beyond_the_inputs_takes_the_last_of_them(target: str) -> None:
+    project = block("VAR_INPUT k : INT; END_VAR VAR_OUTPUT n : INT; END_VAR", "n := MUX(k, 10, 20, 30);")
+    data, report = sfc.convert(project, target)
+    assert not report.losses
+    for each in (project, sfc.loads(data, as_tool=True)):
+        instance = Controller(each).instance("Main")
+        found = []
+        for value in (0, 1, 2, 3, 1000):
+            instance["k"] = value
+            instance.scan()
+            found.append(instance["n"])
+        assert found == [10, 20, 30, 30, 30]
+
+
+def test_codesys_evaluates_the_argument_alone_that_is_taken() -> None:
+    text = "VAR_INPUT k : INT; END_VAR VAR_OUTPUT n, m : INT; END_VAR"
+    project = block(text, "n := SEL(k = 0, 100 / k, 7); m := MUX(k, 1, 100 / k);")
+    instance = Controller(project).instance("Main")
+    instance.scan()
+    assert (instance["n"], instance["m"]) == (7, 1)
+
+
+@pytest.mark.parametrize(
+    ("body", "written"),
+    [
+        ("r := TIME_TO_REAL(t);", "#r := DINT_TO_REAL(TIME_TO_DINT(#t));"),
+        ("t := REAL_TO_TIME(r);", "#t := DINT_TO_TIME(REAL_TO_DINT(#r));"),
+        ("s := BOOL_TO_STRING(a);", "#s := SEL(G := #a, IN0 := 'FALSE', IN1 := 'TRUE');"),
+        ("s := TIME_TO_STRING(t);", ""),
+        ("a := STRING_TO_BOOL(s);", ""),
+        ("t := t * 1.5;", ""),
+        ("t := t / r;", ""),
+    ],
+)
+@pytest.mark.parametrize("tool", ["iec", "codesys"])
+def test_conversions_that_scl_lacks_are_others_or_not_executed(tool: str, body: str, written: str) -> None:
+    project = block("VAR_IN_OUT a : BOOL; r : REAL; t : TIME; s : STRING; END_VAR", body)
+    project.dialect = Dialect.CODESYS if tool == "codesys" else Dialect.IEC
+    data, report = sfc.convert(project, "scl", partial=True)
+    assert (written or body.partition("(")[0].rpartition(" ")[2]) in data.decode()
+    assert bool(report.with_outcome(Outcome.NOT_EXECUTED)) is not bool(written)

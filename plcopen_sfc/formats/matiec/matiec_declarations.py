@@ -120,7 +120,7 @@ def _placed(project: Project) -> Iterator[tuple[str, str]]:
 def _steps_with_others(project: Project) -> Iterator[tuple[str, str, SfcNetwork, set[str]]]:
     """Steps of charts, with the names that theirs would change in the C code: a step becomes a macro of its name.
 
-    These are the members of all steps, variables of the POU, and the members of its structures and blocks.
+    These are the POUs, the members of all steps, variables of the POU, and the members of its structures and blocks.
     """
     members = {pou.name.casefold(): {one.name.casefold() for one in pou.variables()} for pou in project.pous}
     for declaration in project.data_types:
@@ -129,7 +129,7 @@ def _steps_with_others(project: Project) -> Iterator[tuple[str, str, SfcNetwork,
     for pou in project.pous:
         if pou.chart is None:
             continue
-        others = {"x", "t"} | members[pou.name.casefold()]
+        others = {"x", "t"} | members.keys() | members[pou.name.casefold()]
         for variable in pou.variables():
             for kind in t.used_types(variable.type):
                 block = standard_block(kind)

@@ -7,7 +7,7 @@ operands of one type only, and literals of the kind of that type (tried with iec
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 from plcopen_sfc.formats.matiec.matiec_library import in_milliseconds
@@ -169,7 +169,11 @@ class _ExpressionFitter:
                 for position, argument in enumerate(arguments)
             ]
         changed = any(new is not old for new, old in zip(arguments, call.arguments, strict=True))
-        return replace(call, arguments=tuple(arguments)) if changed else call
+        call = replace(call, arguments=tuple(arguments)) if changed else call
+        return call if self._is_declared(call) else self.converter.standard_call(call)
+
+    def _is_declared(self, call: n.Call) -> bool:
+        return isinstance(self.resolver.called_type(call.callee, self.text_site.site), Pou)
 
     def _parameter(self, call: n.Call, position: int) -> n.Name | None:
         """Return the name of the parameter that an argument without one gives."""
@@ -213,6 +217,11 @@ class _ExpressionFitter:
     def _conversion(self, call: n.Call, callee: n.Name) -> n.Node:
         """``TO_INT(x)`` as ``REAL_TO_INT(x)``: matiec has the type of the argument in the name."""
         name = callee.identifier.upper()
+        truncated = _TRUNCATION.fullmatch(name)
+        if truncated is not None:
+            # the result of its TRUNC is whatever is wanted: of LINT here, so that nothing is cut off before
+            inner = n.Call(n.Name("TRUNC"), call.arguments)
+            return inner if truncated[1] == "LINT" else n.Call(n.Name(f"LINT_TO_{truncated[1]}"), (n.Argument(inner),))
         if not _CONVERSION.fullmatch(name) or len(call.arguments) != 1 or call.arguments[0].value is None:
             return call
         kind = self._type(call.arguments[0].value)
@@ -234,6 +243,7 @@ _LINE_FEED = re.compile(r"\$(.)")
 _LATIN_1 = 255
 _LONG = re.compile(r"(?:LTIME|LT|LD|LDATE|LTOD|LDT|LTIME_OF_DAY|LDATE_AND_TIME|W?CHAR|WSTRING)#|\"", re.IGNORECASE)
 _BIT = re.compile(r"%?(?:X?(?P<number>\d+)|[BWDL]\d+)", re.IGNORECASE)
+_TRUNCATION = re.compile(r"L?REAL_TRUNC_(\w+)")
 _CONVERSION = re.compile(r"TO_(?:[SDL]?INT|U[SDL]?INT|L?REAL|BOOL|BYTE|[DL]?WORD|TIME|STRING)")
 
 
@@ -278,6 +288,8 @@ class OperandConverter:
         elif isinstance(value, n.Call):
             converted = _FUNCTION.fullmatch(value.called)
             found = converted[1].upper() if converted is not None else self._type_of(value)
+            if not found and value.called.upper() in OF_ONE_TYPE:
+                found = next(filter(None, map(self.kind, chosen_values(value))), "")
         else:
             found = self._type_of(value)
         return found if found in _NUMBERS else ""
@@ -303,6 +315,28 @@ class OperandConverter:
         changed = any(a is not b for a, b in zip(operands, node.operands, strict=True))
         return replace(node, operands=operands) if changed else node
 
+    def standard_call(self, call: n.Call) -> n.Call:
+        """Return a call of a standard function with arguments of one type, REAL where it calculates with that."""
+        name = call.called.upper()
+        values = chosen_values(call)
+        kinds = [self.kind(each) for each in values]
+        known = {kind for kind in kinds if kind}
+        if name in _SHIFTS and kinds[1:] and kinds[1] in _BITS:
+            return _with_values(call, {id(values[1]): _as("INT", kinds[1], values[1])})
+        if name in _OF_REALS or name == "EXPT":
+            if kinds and (kinds[0] in {*_SIGNED, *_UNSIGNED} or not kinds[0]):
+                return _with_values(call, {id(values[0]): _as("REAL", kinds[0], values[0])})
+            return call
+        if name not in OF_ONE_TYPE:
+            return call
+        if known.isdisjoint(REALS) and any(map(_is_real, values)):
+            known.add("REAL")
+        common = next((kind for kind in sorted(known) if all(_widens(other, kind) for other in known)), "")
+        if not common:
+            return call
+        pairs = zip(kinds, values, strict=True)
+        return _with_values(call, {id(each): _as(common, kind, each) for kind, each in pairs})
+
     def assignment(self, node: n.Assignment) -> n.Node:
         """Return an assignment of a value of the type of its target."""
         target = self.kind(node.target)
@@ -321,6 +355,24 @@ class OperandConverter:
             self._missing.append(("assignment", f"matiec does not assign {kind} to {target}"))
             return value
         return _as(target, kind, value)
+
+
+def chosen_values(call: n.Call) -> list[n.Expression]:
+    """Return the arguments of a standard function that decide on the type of its result, and all of other ones."""
+    values = [argument.value for argument in call.arguments if argument.value is not None and not argument.output]
+    return values[OF_ONE_TYPE.get(call.called.upper(), 0) :]
+
+
+def _with_values(call: n.Call, changed: Mapping[int, n.Expression]) -> n.Call:
+    """Return a call with other arguments, by the ids of those before."""
+    arguments = tuple(
+        argument
+        if (new := changed.get(id(argument.value), argument.value)) is argument.value
+        else replace(argument, value=new)
+        for argument in call.arguments
+    )
+    same = all(new is old for new, old in zip(arguments, call.arguments, strict=True))
+    return call if same else replace(call, arguments=arguments)
 
 
 _OF_REALS = frozenset("SQRT LN LOG EXP SIN COS TAN ASIN ACOS ATAN".split())
@@ -458,6 +510,8 @@ def _as(common: str, kind: str, value: n.Expression) -> n.Expression:
         operands = tuple(_as(common, kind, each) for each in value.operands)
         changed = any(a is not b for a, b in zip(operands, value.operands, strict=True))
         return replace(value, operands=operands) if changed else value
+    if isinstance(value, n.Call) and value.called.upper() in OF_ONE_TYPE:
+        return _with_values(value, {id(each): _as(common, kind, each) for each in chosen_values(value)})
     if isinstance(value, n.Unary):
         operand = _as(common, kind, value.operand)
         return value if operand is value.operand else replace(value, operand=operand)

@@ -81,6 +81,16 @@ def _time_of_matiec(number: str, time: str, value: str) -> str:
     return f"DINT_TO_{time}({f'({value})' if number == 'DINT' else f'{number}_TO_DINT({value})'} * 1000)"
 
 
+def _as_number(call: n.Call) -> n.Expression | None:
+    """Return a conversion of matiec that takes a bit string for a number; None for a call that is none."""
+    found, value = _RAW.fullmatch(call.called), call.arguments[0].value if len(call.arguments) == 1 else None
+    if found is None or value is None:
+        return None
+    source, _, result = call.called.upper().partition("_TO_")
+    number = "ULINT" if "LWORD" in (source, result) else "UDINT"
+    return parse_expression(f"{number}_TO_{result}({source}_TO_{number}({print_node(value)}))").tree
+
+
 def count_in_seconds(project: Project, report: ConversionReport, tool: str) -> None:
     """Let a copy of a project for matiec count its times in seconds in a `tool` that counts milliseconds."""
 
@@ -94,6 +104,14 @@ def count_in_seconds(project: Project, report: ConversionReport, tool: str) -> N
                 text_site.put(text)
                 why = f"matiec counts seconds where {tool} counts milliseconds"
                 report.add(Outcome.TRANSLATED, "time", text_site.report_path, why)
+        if text_site.is_program_text and _RAW.search(text_site.text):
+            text = text_site.rewritten(
+                project.dialect, lambda node: (_as_number(node) if isinstance(node, n.Call) else None) or node
+            )
+            if text != text_site.text:
+                text_site.put(text)
+                why = f"matiec converts the number where {tool} takes its bits as they are"
+                report.add(Outcome.TRANSLATED, "function", text_site.report_path, why)
     note_functions(project, report, tool)
 
 
@@ -110,11 +128,16 @@ def note_functions(project: Project, report: ConversionReport, tool: str, *, wit
             for found in dict.fromkeys(each[0].upper() for each in _CONVERSION.finditer(text_site.text)):
                 why = f"{found}: matiec counts seconds, {tool} milliseconds"
                 report.add(Outcome.NOT_EXECUTED, "time", text_site.report_path, why)
+        for found in dict.fromkeys(each[0].upper() for each in _RAW.finditer(text_site.text)):
+            why = f"{found}: matiec converts the number, {tool} takes its bits as they are"
+            report.add(Outcome.NOT_EXECUTED, "function", text_site.report_path, why)
         for found in dict.fromkeys(each[0].upper() for each in _OTHERWISE.finditer(text_site.text)):
             why = f"{found} gives something else in matiec than in {tool} for some values"
             report.add(Outcome.APPROXIMATED, "function", text_site.report_path, why)
 
 
+_RAW = re.compile(r"\b(?:DWORD_TO_REAL|LWORD_TO_LREAL|REAL_TO_DWORD|LREAL_TO_LWORD)\b", re.IGNORECASE)
+"""Conversions that take the bits as they are in IEC 61131-3, and the number in matiec."""
 _CONVERSION = re.compile(rf"\b(?:{_FROM_TIME.pattern}|{_TO_TIME.pattern})\b", re.IGNORECASE)
 _OTHERWISE = re.compile(
     r"\b(?:FIND|REPLACE|(?:BYTE|[DL]?WORD|L?REAL|TIME)_TO_STRING|STRING_TO_(?!CHAR|STRING)[A-Z]+)\b",

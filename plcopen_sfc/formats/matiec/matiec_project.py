@@ -31,6 +31,7 @@ from plcopen_sfc.formats.matiec.matiec_statements import (
 )
 from plcopen_sfc.languages.binding import Names, called_actions
 from plcopen_sfc.languages.binding.name_resolution import Resolver
+from plcopen_sfc.languages.binding.name_scopes import is_instance
 from plcopen_sfc.languages.binding.text_sites import SiteKind, TextSite, text_sites
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.s7_types import Constant, constants_of
@@ -57,6 +58,7 @@ from plcopen_sfc.model.types import (
     SimpleValue,
     StructType,
     StructValue,
+    element_type,
     used_types,
 )
 from plcopen_sfc.model.variables import Interface, SectionKind, VariableSection, sections_of
@@ -78,7 +80,7 @@ def fit_project(
     own = options.of_matiec
     final_scan = None if own else options.of_codesys
     _note_steps_of_instances(project, report)
-    _note_arrays_of_blocks(project, report)
+    _note_instances_in_types(project, report)
     name_structures(project, report)
     _number_enumerations(project, report)
     give_plain_names(project, report)
@@ -149,18 +151,22 @@ def _note_uses_of_programs(project: Project, report: ConversionReport) -> None:
         report.add(Outcome.NOT_EXECUTED, "call of a program", path, why)
 
 
-def _note_arrays_of_blocks(project: Project, report: ConversionReport) -> None:
-    """Report arrays of function blocks, which matiec does not compile."""
-    own = {pou.name.casefold() for pou in project.pous if pou.kind is PouKind.FUNCTION_BLOCK}
+def _note_instances_in_types(project: Project, report: ConversionReport) -> None:
+    """Report function blocks in arrays and structures, which matiec does not compile."""
     for pou in project.pous:
         for variable in pou.variables():
             base = variable.type.base if isinstance(variable.type, ArrayType) else None
-            standard = standard_block(base.name) if isinstance(base, DerivedType) else None
-            is_block = standard is not None and standard.stateful
-            if isinstance(base, DerivedType) and (is_block or base.name.casefold() in own):
+            if isinstance(base, DerivedType) and is_instance(base, project):
                 path = f"{pou.report_path} / variable {variable.name}"
                 why = f"matiec has no arrays of function blocks: declare instances of {base.name}"
                 report.add(Outcome.NOT_EXECUTED, "variable", path, why)
+    for declaration in project.data_types:
+        for member in declaration.type.members if isinstance(declaration.type, StructType) else ():
+            kind = element_type(member.type)
+            if isinstance(kind, DerivedType) and is_instance(kind, project):
+                path = f"{declaration.report_path} / {member.name}"
+                why = f"matiec has no function blocks in structures: declare an instance of {kind.name} in the POU"
+                report.add(Outcome.NOT_EXECUTED, "type", path, why)
 
 
 def _note_structures(project: Project, report: ConversionReport) -> None:

@@ -207,7 +207,7 @@ def _string(text: str, type: str, dialect: Dialect) -> LiteralValue:
                 mark = text[position:end][:1].upper()
                 if mark not in _ESCAPES:
                     raise LiteralError(f"{text} has a $ that starts nothing", hint="$$ stands for a dollar sign")
-                character = _ESCAPES[mark]
+                character = "\r\n" if mark == "N" and dialect is Dialect.SCL else _ESCAPES[mark]
                 position += 1
         found.append(character)
     value = "".join(found)
@@ -229,6 +229,8 @@ def string_literal(value: str, dialect: Dialect = Dialect.IEC, *, wide: bool = F
             raise LiteralError(f"U+{code:04X} fits no {'WSTRING' if wide else 'STRING'}")
         if character == quote:
             text += f"${quote}"
+        elif character == "\n" and dialect is Dialect.SCL:
+            text += "$L"  # $N is two characters in S7
         elif character in _ESCAPED:
             text += _ESCAPED[character]
         elif character.isprintable():
@@ -258,8 +260,11 @@ TIME_RANGES = {
     (Dialect.CODESYS, "TIME"): (0, 0xFFFF_FFFF * 1_000_000),
     (Dialect.TWINCAT, "TIME"): (0, 0xFFFF_FFFF * 1_000_000),
     (Dialect.SCL, "TIME"): (-0x8000_0000 * 1_000_000, 0x7FFF_FFFF * 1_000_000),
+    (Dialect.CODESYS, "LTIME"): (0, 0xFFFF_FFFF_FFFF_FFFF),
+    (Dialect.TWINCAT, "LTIME"): (0, 0xFFFF_FFFF_FFFF_FFFF),
 }
-"""Least and greatest TIME: 32 bits of milliseconds, in CODESYS without and in S7 with a sign."""
+"""Least and greatest TIME: 32 bits of milliseconds, in CODESYS without and in S7 with a sign. LTIME of CODESYS has none
+either (help of CODESYS, "TIME, LTIME"; TwinCAT 3: "like a ULINT")."""
 
 
 def _of_time_type(text: str, body: str, type: str) -> LiteralValue:
@@ -317,7 +322,7 @@ def time_literal(nanoseconds: int, dialect: Dialect = Dialect.IEC, type: str = "
             raise LiteralError(f"{nanoseconds} ns does not fit S5TIME: it has three digits, from 10 ms to 2h46m30s")
     least, greatest = TIME_RANGES.get((dialect, type), (nanoseconds, nanoseconds))
     if not least <= nanoseconds <= greatest:
-        raise LiteralError(f"{nanoseconds} ns does not fit the TIME of {dialect.value}")
+        raise LiteralError(f"{nanoseconds} ns does not fit the {type} of {dialect.value}")
     text, rest = "", abs(nanoseconds)
     for unit, length in _UNITS.items():
         count, rest = divmod(rest, length)

@@ -41,7 +41,8 @@ from plcopen_sfc.languages.translation.call_translation import operator_of
 from plcopen_sfc.languages.translation.translation_context import TITLES, Notes, TranslationContext
 from plcopen_sfc.model.dialect import Dialect
 
-_SIGN_OF_TIME = "TIME has no sign in CODESYS: {what} below zero is weeks long there, and below zero in {tool}"
+_SIGN_OF_TIME = "{type} has no sign in CODESYS: {what} below zero is very long there, and below zero in {tool}"
+_SIGNED = frozenset({"TIME", "LTIME"})
 _TIMES: dict[Operator | None, str] = {
     None: "a number",
     Operator.SUBTRACT: "a difference",
@@ -237,21 +238,30 @@ class ArithmeticTranslator:
                 for (new, kind), old in zip(pairs, operands, strict=True)
             ]
         types = [self.types.value(each).type for each in operands]
-        if value.type == "TIME" and not INSTANTS & {*types}:
-            self._doubt_time(node, operator, operands)
+        if value.type in _SIGNED and not INSTANTS & {*types}:
+            self._doubt_time(node, operator, operands, value.type)
+        if value.type in _SIGNED and not {*types}.isdisjoint(REALS) and self._target is Dialect.SCL is not self._source:
+            reason = f"SCL multiplies and divides {value.type} by integers alone"
+            self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
         if INSTANTS & {*types} and Dialect.SCL in (self._source, self._target) and self._source is not self._target:
             names = " and ".join(sorted({*types} - {""}))
             reason = f"S7 calculates with {names} by T_ADD, T_SUB and T_DIFF"
             self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
         return self._with(node, pairs), value.type
 
-    def _doubt_time(self, node: Node, operator: Operator | None, operands: Sequence[Expression]) -> None:
-        """Note a TIME that may be below zero or too long; `operator` None: it is a number that was converted."""
+    def _doubt_time(self, node: Node, operator: Operator | None, operands: Sequence[Expression], type: str) -> None:
+        """Note a TIME or LTIME that may be below zero, or a TIME that may be too long.
+
+        `operator` None: it is a number that was converted.
+        """
         is_known = operator is Operator.SUBTRACT or any(map(self._may_be_negative, operands))
         if Dialect.CODESYS in (self._source, self._target) and is_known and operator in _TIMES:
             other = self._target if self._source is Dialect.CODESYS else self._source
-            why = _SIGN_OF_TIME.format(what=_TIMES[operator], tool=_TOOLS.get(other, TITLES[other]))
+            tool = _TOOLS.get(other, TITLES[other])
+            why = _SIGN_OF_TIME.format(type=type, what=_TIMES[operator], tool=tool)
             self._notes.add(Severity.WARNING, why, node)
+        if type == "LTIME":  # which ends after centuries in all
+            return
         numbers = [(self.types.value(each), n.bare(each)) for each in operands]
         is_varied = any(value.type in REALS and not isinstance(each, n.Literal) for value, each in numbers)
         if operator is Operator.MULTIPLY:
@@ -349,10 +359,10 @@ class ArithmeticTranslator:
         types = {self.types.value(each).type for each in operands}
         if name.casefold() in self._context.functions:
             pass  # nothing is known of its result
-        elif found is not None and found["result"] == "TIME":
-            self._doubt_time(call, None, operands)
-        elif operator is not None and "TIME" in types and not INSTANTS & types:
-            self._doubt_time(call, operator, operands)
+        elif found is not None and found["result"] in _SIGNED:
+            self._doubt_time(call, None, operands, found["result"])
+        elif operator is not None and types & _SIGNED and not INSTANTS & types:
+            self._doubt_time(call, operator, operands, "LTIME" if "LTIME" in types else "TIME")
         for position, argument in enumerate(call.arguments):
             value = argument.value
             if value is None or argument.output:

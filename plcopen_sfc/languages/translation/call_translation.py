@@ -7,13 +7,14 @@ docs/dialects.md.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 from plcopen_sfc.diagnostics import Severity
 from plcopen_sfc.languages.expression_types import ExpressionTypes
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.nodes import Argument, Expression, Operator
+from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.standard_blocks import (
     BOUND_FUNCTIONS,
     BlockKind,
@@ -78,12 +79,22 @@ def is_called_otherwise(call: n.Call, target: Dialect) -> bool:
         name == "TRUNC" and target is not Dialect.IEC
     ):
         return True
+    if _takes_bits(name) or name == "MUX" or (name in _CHOICES and any(map(_acts, call.arguments))):
+        return True
     block = standard_block(name)
     if block is None or block.stateful:
         return False
     is_long = name == "CONCAT" and len(call.arguments) > 2 and target is not Dialect.IEC
     is_named = any(each.name is not None for each in call.arguments)
     return is_long or is_named or operator_of(block, target) is not None or is_lacking(name, target)
+
+
+def _takes_bits(name: str) -> bool:
+    """True for conversions that may take the bits as they are in some tools, and the number in others."""
+    converted = _CONVERSION.fullmatch(name)
+    if converted is None or converted[2] not in _NUMBERS.keys() | {"REAL", "LREAL"}:
+        return False
+    return converted[1] is None or converted.groups() in _RAW
 
 
 def _counted_value(call: n.Call, name: str) -> n.Member | None:
@@ -151,6 +162,17 @@ HALVES = _HALVES.format(tool="S7")
 """Difference where a number with decimals becomes one without."""
 
 
+_RAW = {("DWORD", "REAL"), ("REAL", "DWORD"), ("LWORD", "LREAL"), ("LREAL", "LWORD")}
+"""Conversions that take the bits as they are in IEC 61131-3 (ed. 3, table 22) and in S7, and the number in CODESYS."""
+_NUMBERS = {"DWORD": "UDINT", "LWORD": "ULINT"}
+_LACKED_CONVERSIONS = {("TIME", "STRING"), ("LTIME", "STRING"), ("STRING", "BOOL"), ("STRING", "TIME")}
+"""Conversions that SCL has no words for."""
+_CONVERSION = re.compile(r"(?:([A-Z]+)_)?TO_([A-Z]+)")
+_QUOTIENTS = frozenset({Operator.DIVIDE, Operator.MODULO})
+_CHOICES = {"SEL": 1, "MUX": 1}
+"""Functions of which CODESYS evaluates the argument alone that is taken, and how many others come before these."""
+
+
 def is_mixed(node: n.Call) -> bool:
     """True for a call with inputs by position and others, or outputs, by name: only CODESYS V3 takes one."""
     return len({argument.name is None for argument in node.arguments}) > 1
@@ -161,7 +183,20 @@ def other_rounding(name: str, source: Dialect, target: Dialect) -> str:
     tools, matched = {source, target}, _INEXACT.fullmatch(name)
     if matched is None or matched["text"] or Dialect.CODESYS not in tools or len(tools) == 1:
         return ""
-    return f"{name}: {_HALVES.format(tool='S7' if Dialect.SCL in tools else TITLES[Dialect.IEC])}"
+    return f"{name}: {_HALVES.format(tool=_other_tool(tools))}"
+
+
+def other_bits(name: str, source: Dialect, target: Dialect) -> str:
+    """Return what a function for bit strings and real numbers gives otherwise in another family; empty: nothing."""
+    tools = {source, target}
+    if tuple(name.split("_TO_")) not in _RAW or Dialect.CODESYS not in tools or len(tools) == 1:
+        return ""
+    return f"{name}: CODESYS converts the number, {_other_tool(tools)} takes its bits as they are"
+
+
+def _other_tool(tools: Collection[Dialect]) -> str:
+    """Return the one that is not CODESYS."""
+    return "S7" if Dialect.SCL in tools else TITLES[Dialect.IEC]
 
 
 class CallTranslator:
@@ -310,6 +345,13 @@ class CallTranslator:
         truncated = translated_truncation(name, self._target, self._type_of_first(node) or "REAL")
         if truncated is not None:
             return self._with(node, self._named(callee, truncated), arguments)
+        converted = _CONVERSION.fullmatch(name)
+        if converted is not None and len(arguments) == 1 and arguments[0].value is not None:
+            kinds = converted[1] or self._type_of_first(node), converted[2]
+            if (other := self._other_conversion(node, *kinds, arguments[0].value)) is not None:
+                return other
+        if name in _CHOICES:
+            arguments = self._chosen(node, name, arguments)
         if _TO_BOOL.fullmatch(name) and (asked := self._as_bool(node, name)) is not None:
             return asked
         if re.fullmatch(r"TO_\w+", name):
@@ -365,6 +407,55 @@ class CallTranslator:
         if (type_ in _BIT_STRINGS or type_.endswith(("INT", "REAL"))) and self._target is Dialect.SCL:
             return n.Parenthesized(_operation(Operator.UNEQUAL, [value, n.Literal(zero)], node), span=node.span)
         return None
+
+    def _other_conversion(self, node: n.Call, source: str, result: str, value: Expression) -> Expression | None:
+        """Return a conversion by others where the target does something else, or has none; None where it does."""
+        name = f"{source}_TO_{result}"
+        if (source, result) in _RAW and self._source is not self._target:
+            if self._source is Dialect.CODESYS:
+                if reason := other_rounding(name, self._source, self._target):
+                    self._notes.add(Severity.WARNING, reason, node)
+                return _by_way_of(_NUMBERS.get(source) or _NUMBERS[result], source, result, value, node)
+            if self._target is Dialect.CODESYS:
+                reason = other_bits(name, self._source, self._target)
+                self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
+            return None
+        if self._target is not Dialect.SCL or self._source is Dialect.SCL:
+            return None
+        if (source == "TIME" and result in ("REAL", "LREAL")) or (source in ("REAL", "LREAL") and result == "TIME"):
+            if source != "TIME" and (reason := other_rounding(f"{source}_TO_DINT", self._source, self._target)):
+                self._notes.add(Severity.WARNING, reason, node)
+            return _by_way_of("DINT", source, result, value, node)
+        if (source, result) == ("BOOL", "STRING"):
+            pairs = (("G", value), ("IN0", n.Literal("'FALSE'")), ("IN1", n.Literal("'TRUE'")))
+            return n.Call(n.Name("SEL"), tuple(Argument(each, n.Name(pin)) for pin, each in pairs), span=node.span)
+        if (source in ("TIME", "LTIME") and result == "STRING") or (source == "STRING" and result in ("BOOL", "TIME")):
+            self._notes.add_lacking(f"SCL has no {name}", name, node)
+        return None
+
+    def _chosen(self, node: n.Call, name: str, arguments: tuple[Argument, ...]) -> tuple[Argument, ...]:
+        """Return the arguments of SEL and MUX; where the selector of MUX is greater, CODESYS takes the last."""
+        tools = {self._source, self._target}
+        if Dialect.CODESYS not in tools or len(tools) == 1 or len(node.arguments) < _CHOICES[name] + 1:
+            return arguments
+        other = _other_tool(tools)
+        if any(map(_acts, node.arguments[_CHOICES[name] :])):
+            reason = f"CODESYS evaluates the argument of {name} alone that is taken, {other} all of them"
+            self._notes.add(Severity.WARNING, reason, node)
+        selector, last = node.arguments[0].value, len(node.arguments) - 2
+        if name != "MUX" or selector is None:
+            return arguments
+        known = self._types.value(selector)
+        if known.is_whole and 0 <= known.low <= known.high <= last:
+            return arguments
+        if self._target is Dialect.CODESYS:
+            reason = f"MUX of CODESYS takes the last argument where its selector is greater, {other} none"
+            self._notes.add(Severity.WARNING, reason, node)
+            return arguments
+        pins = ("IN1", "IN2") if self._target is Dialect.SCL else (None, None)
+        values = (arguments[0].value or selector, n.Literal(str(last)))
+        limited = tuple(Argument(each, n.Name(pin) if pin else None) for pin, each in zip(pins, values, strict=True))
+        return (replace(arguments[0], value=n.Call(n.Name("MIN"), limited)), *arguments[1:])
 
     def _note_conversion(self, node: n.Call, name: str) -> None:
         """Say what a conversion gives otherwise in S7 and in other tools."""
@@ -547,6 +638,23 @@ class CallTranslator:
         if callee is node.callee and arguments is node.arguments:
             return node
         return replace(node, callee=callee, arguments=arguments)
+
+
+def _by_way_of(between: str, source: str, result: str, value: Expression, node: n.Call) -> Expression:
+    """Return a conversion by way of another type."""
+    inner = n.Call(n.Name(f"{source}_TO_{between}"), (Argument(n.bare(value)),))
+    return n.Call(n.Name(f"{between}_TO_{result}"), (Argument(inner),), span=node.span)
+
+
+def _acts(argument: Argument) -> bool:
+    """True if it may make a difference whether an argument is evaluated: calls of programs, and divisions."""
+    for node in walk(argument.value) if argument.value is not None else ():
+        if isinstance(node, n.Call) and standard_block(node.called) is None:
+            return True
+        divisors = node.operands[1:] if isinstance(node, n.Operation) and node.operator in _QUOTIENTS else ()
+        if not all(isinstance(each, n.Literal) for each in divisors):
+            return True
+    return False
 
 
 def _operation(operator: Operator, values: list[Expression], node: n.Call) -> Expression:

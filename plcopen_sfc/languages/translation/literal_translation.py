@@ -50,7 +50,7 @@ def translated_literal(text: str, source: Dialect, target: Dialect) -> PartText:
             short = source is Dialect.SCL and prefix.upper() in SHORT_TYPES
             return PartText(_integer(text, body, literal.type, target, short=short))
         case LiteralKind.STRING:
-            return PartText(_string(text, literal, target))
+            return PartText(_string(_with_line_ends(text, source, target), literal, target))
         case LiteralKind.DURATION if isinstance(literal.value, int):
             return _duration(text, literal.value, literal.type, target)
         case LiteralKind.DATE | LiteralKind.DATE_AND_TIME if not _is_in_calendar(literal, target):
@@ -88,6 +88,17 @@ def _integer(text: str, body: str, type: str, target: Dialect, *, short: bool) -
     if target is Dialect.SCL:
         return f"{_SHORT[type]}#{body}" if type in _SHORT and body.startswith("16#") else text
     return f"{type}#{body}" if short else text
+
+
+def _with_line_ends(text: str, source: Dialect, target: Dialect) -> str:
+    """Return a string with the line ends that it has in the source: $N is $R$L in S7, and $L in all others.
+
+    S7-1200 manual, "Valid ASCII control characters"; IEC 61131-3, 6.3.3; TwinCAT 3: ``$N`` is ``$0A``.
+    """
+    if (source is Dialect.SCL) is (target is Dialect.SCL):
+        return text
+    end = "$R$L" if source is Dialect.SCL else "$L"
+    return re.sub(r"\$([\s\S])", lambda found: end if found[1] in "Nn" else found[0], text)
 
 
 def _string(text: str, literal: LiteralValue, target: Dialect) -> str:

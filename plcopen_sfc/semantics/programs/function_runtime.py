@@ -91,15 +91,17 @@ def limit(low: Any, value: Any, high: Any) -> Any:
 
 
 def chosen(index: int, count: int) -> int:
-    """Return which value SEL or MUX takes."""
+    """Return which value MUX takes."""
     if 0 <= index < count:
         return int(index)
     raise SimulationError(f"MUX has no input {index}")
 
 
-def mux(index: int, *values: Any) -> Any:
-    """MUX."""
-    return values[chosen(index, len(values))]
+def chosen_or_last(index: int, count: int) -> int:
+    """Return which value MUX of CODESYS takes: the last where there are fewer. No source tells of one below zero."""
+    if index < 0:
+        raise SimulationError(f"MUX has no input {index}")
+    return int(min(index, count - 1))
 
 
 # -- bit strings

@@ -265,6 +265,10 @@ _TIMES_OF_DIALECTS = {
     for dialect in (Dialect.CODESYS, Dialect.TWINCAT, Dialect.SCL)
 }
 _TIMES_OF_DIALECTS |= {
+    (dialect, "LTIME"): ScalarType("LTIME", Family.DURATION, 64, *TIME_RANGES[dialect, "LTIME"])
+    for dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+}
+_TIMES_OF_DIALECTS |= {
     (dialect, name): replace(ELEMENTARY["DT"], unit=unit, start=start)
     for dialect, unit, start in (
         (Dialect.CODESYS, SECOND, ""),
@@ -279,8 +283,8 @@ _TIMES_OF_DIALECTS[Dialect.SCL, "DATE"] = replace(ELEMENTARY["DATE"], start=str(
 def elementary(name: str, dialect: Dialect = Dialect.IEC) -> ScalarType | None:
     """Return the elementary type of this name in a dialect; None if there is none.
 
-    TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else. DT
-    has whole seconds in CODESYS, whole milliseconds in S7.
+    TIME has 32 bits of milliseconds in CODESYS (without a sign) and in S7 (with one), 64 bits of nanoseconds else.
+    LTIME has these in all, without a sign in CODESYS. DT has whole seconds in CODESYS, whole milliseconds in S7.
     A STRING without a length has 80 characters in CODESYS, 254 in S7; the same is taken for IEC 61131-3, which leaves
     it open. DATE and DATE_AND_TIME start in 1990 in S7.
     """

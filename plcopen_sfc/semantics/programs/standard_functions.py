@@ -223,19 +223,27 @@ class StandardFunctions:
         return [settled(self._converter.converted(code, type_)) for code in codes]
 
     def _select(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
-        """SEL and MUX. Only the value that is chosen is evaluated, which nothing but a call could tell."""
+        """SEL and MUX. CODESYS and TwinCAT evaluate what is chosen alone (help, "Operator: SEL"), others all.
+
+        MUX of theirs takes the last value where its selector is greater ("Operator: MUX").
+        """
         values = self._codes(nodes[1:], expected)
         if all(isinstance(value.type, t.ScalarType) for value in values):
             values = self._one_type(values)
+        is_lazy = self._library.dialect in (Dialect.CODESYS, Dialect.TWINCAT)
         acts = any(value.acts for value in values)
         if name == "SEL":
             chooser = self._translator.value(nodes[0], t.BOOL)
+            which = chooser.text
             text = f"({values[1].text} if {chooser.text} else {values[0].text})"
         else:
             chooser = settled(self._translator.value(nodes[0], t.DINT))
-            text = f"{self._helper('mux')}({', '.join(c.text for c in (chooser, *values))})"
-        if acts:
-            which = f"{self._helper('chosen')}({chooser.text}, {len(values)})"
+            helper = self._helper("chosen_or_last" if is_lazy else "chosen")
+            which = f"{helper}({chooser.text}, {len(values)})"
+            text = f"({', '.join(value.text for value in values)})[{which}]"
+        if is_lazy and name == "MUX":
+            text = f"({', '.join(f'lambda: {value.text}' for value in values)})[{which}]()"
+        elif acts and not is_lazy and name == "SEL":
             text = f"({', '.join(value.text for value in values)})[{which}]"
         return ranged(text, values[0].type, acts=acts or chooser.acts)
 
@@ -381,8 +389,9 @@ class StandardFunctions:
             helper = self._helper("of_character" if source.name in ("CHAR", "WCHAR") else "of_text")
             return settled(ranged(f"{helper}({code.text}, {name})", target, acts=code.acts))
         raw = {source.family, target.family} == {t.Family.BITS, t.Family.REAL} and source.bits == target.bits
-        if raw and self._library.dialect in (Dialect.IEC, Dialect.SCL) and source.bits in (32, 64):
-            # the bits are taken as they are (ed. 3, table 22: DWORD_TO_REAL)
+        takes_bits = self._library.dialect in (Dialect.IEC, Dialect.SCL) and not self._library.profile.matiec_library
+        if raw and takes_bits and source.bits in (32, 64):
+            # they are taken as they are (ed. 3, table 22: DWORD_TO_REAL)
             helper = "bits_of_real" if source.family is t.Family.REAL else "real_of_bits"
             return self._call(helper, [code], target, source.bits)
         if target.family is t.Family.BOOL and source.family is t.Family.BITS and self._library.dialect is Dialect.SCL:

@@ -121,7 +121,11 @@ def test_the_sources_of_the_corpus_come_back() -> None:
         ("FUNCTION_BLOCK FB12\nBEGIN\nEND_FUNCTION_BLOCK", True),
         ('TYPE "t" STRUCT a : Int; END_STRUCT; END_TYPE', True),
         ("organization_block OB1 BEGIN END_ORGANIZATION_BLOCK", True),
+        ("FUNCTION FC1 : VOID\nEND_FUNCTION", True),
+        ("FUNCTION_BLOCK FB1 VAR x : INT; END_VAR #x := 1; END_FUNCTION_BLOCK", True),
         ("FUNCTION_BLOCK f VAR x : INT; END_VAR END_FUNCTION_BLOCK", False),
+        ("FUNCTION_BLOCK FB1 VAR t : TIME; END_VAR t := T#5s; END_FUNCTION_BLOCK", False),
+        ("FUNCTION FC1 : INT VAR_INPUT x : INT; END_VAR FC1 := x + 16#A; END_FUNCTION", False),
         ("// only a comment", False),
     ],
 )

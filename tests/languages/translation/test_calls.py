@@ -21,7 +21,7 @@ INFO, WARNING, ERROR = Severity.INFO, Severity.WARNING, Severity.ERROR
         ("LIMIT(a, b, 10)", CODESYS, SCL, "LIMIT(MN := #a, IN := #b, MX := 10)"),
         ("MIN(a, b, 1)", IEC, SCL, "MIN(IN1 := #a, IN2 := #b, IN3 := 1)"),
         ("SEL(a, 1, 2)", CODESYS, SCL, "SEL(G := #a, IN0 := 1, IN1 := 2)"),
-        ("MUX(a, 1, 2, 3)", CODESYS, SCL, "MUX(K := #a, IN0 := 1, IN1 := 2, IN2 := 3)"),
+        ("MUX(a, 1, 2, 3)", CODESYS, SCL, "MUX(K := MIN(IN1 := #a, IN2 := 2), IN0 := 1, IN1 := 2, IN2 := 3)"),
         ("SHL(IN := #a, N := 2)", SCL, TWINCAT, "SHL(a, 2)"),
         ("LEFT(a, 3)", CODESYS, SCL, "LEFT(IN := #a, L := 3)"),
         ("MID(STR := a, LEN := 3, POS := 1)", CODESYS, IEC, "MID(IN := a, L := 3, P := 1)"),
