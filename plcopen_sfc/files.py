@@ -23,6 +23,7 @@ _READ_REASONS = {
     errno.EACCES: ("no right to read the file", "Check the file's permissions and whether another program locks it."),
     errno.EPERM: ("no right to read the file", "Check the file's permissions and whether another program locks it."),
     errno.ENXIO: ("this is a device, not a file", "Name a file; - is the standard input."),
+    errno.ESPIPE: ("this is a pipe, not a file", "Name a file; - is the standard input."),
     errno.ENAMETOOLONG: ("the path is too long for this system", "Use a shorter path."),
     errno.ELOOP: ("the path is a symbolic link that leads back to itself", "Repair the link."),
 }
@@ -36,6 +37,10 @@ _WRITE_REASONS = _READ_REASONS | {
     errno.EDQUOT: ("the disk quota is used up", "Free some space; the old file is untouched."),
     errno.EFBIG: ("the file would become larger than the system allows", "The old file is untouched."),
 }
+
+
+_OPEN_FILES = ("/dev/", "/proc/")
+"""Folders of files that the process has open, such as the ``<(command)`` of a shell: there somebody writes."""
 
 
 def folder_exists(path: str | os.PathLike[str]) -> bool:
@@ -71,6 +76,8 @@ def read_bytes(path: str | os.PathLike[str]) -> bytes:
             raise IsADirectoryError(errno.EISDIR, "is a directory")
         if Path(path).is_char_device() or Path(path).is_block_device():  # /dev/zero has no end
             raise OSError(errno.ENXIO, "is a device")
+        if Path(path).is_fifo() and not os.fspath(path).startswith(_OPEN_FILES):  # waits for a program that writes
+            raise OSError(errno.ESPIPE, "is a pipe")
         return Path(path).read_bytes()
     except (OSError, ValueError) as error:  # ValueError: a path with a NUL character
         raise _failure(path, error, _READ_REASONS, "cannot be read") from error

@@ -41,6 +41,19 @@ def test_a_device_is_no_file() -> None:
         read_bytes("/dev/zero")
 
 
+@posix_only
+def test_a_pipe_is_no_file_but_for_one_that_the_process_has_open(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.xml"
+    os.mkfifo(pipe)
+    with pytest.raises(FileAccessError, match="this is a pipe, not a file"):
+        read_bytes(pipe)  # it would wait for a program that writes
+    reading, writing = os.pipe()
+    os.write(writing, b"<a/>")
+    os.close(writing)
+    assert read_bytes(f"/dev/fd/{reading}") == b"<a/>"
+    os.close(reading)
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [

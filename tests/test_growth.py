@@ -112,6 +112,21 @@ def of_s7(steps: int) -> sfc.Project:
     return sfc.loads(data, format="simaticml")
 
 
+def in_a_macro(project: sfc.Project) -> object:
+    """Move half of the steps of a chart, which are named, into a macro-step."""
+    steps = project.pous[0].chart.steps
+    return project.edit().move_to_macro([f"Main.{step.name}" for step in steps[1 : 1 + len(steps) // 2]], "Half")
+
+
+def aliases(count: int) -> sfc.Project:
+    """So many names for one type, each with a variable that a program writes."""
+    types = "".join(f"TYPE T{each} : T{each - 1}; END_TYPE\n" for each in range(1, count))
+    variables = "".join(f"x{each} : T{each}; " for each in range(count))
+    code = "".join(f"x{each} := x{each - 1};\n" for each in range(1, count))
+    text = f"TYPE T0 : BOOL; END_TYPE\n{types}PROGRAM Main\nVAR {variables}END_VAR\n{code}END_PROGRAM\n"
+    return sfc.loads(text.encode(), format="iec-text")
+
+
 def with_new_names(project: sfc.Project) -> object:
     """Give each step of a chart another name, in one pass."""
     return project.rename_many({f"Main.{step.name}": f"New{step.name}" for step in project.pous[0].chart.steps})
@@ -126,6 +141,7 @@ def with_new_names(project: sfc.Project) -> object:
         (as_scl, ring, 40),
         (converted, of_s7, 20),
         (with_new_names, ring, 120),
+        (converted, aliases, 40),
     ],
 )
 def test_twice_the_objects_take_twice_the_work(
@@ -136,6 +152,13 @@ def test_twice_the_objects_take_twice_the_work(
     for count in (least, 2 * least, 4 * least):
         project = make(count)
         works.append(calls_of(lambda project=project: operation(project)))  # type: ignore[misc]
+    assert works[2] - works[1] < 2.2 * (works[1] - works[0]), "linear is 2, quadratic is 4"
+
+
+def test_a_macro_step_of_twice_the_steps_takes_twice_the_work() -> None:
+    sizes = (220, 440, 880)  # of fewer names each is looked for in each text
+    in_a_macro(ring(sizes[-1]))  # the names of its actions are parsed once
+    works = [calls_of(lambda project=project: in_a_macro(project)) for project in map(ring, sizes)]  # type: ignore[misc]
     assert works[2] - works[1] < 2.2 * (works[1] - works[0]), "linear is 2, quadratic is 4"
 
 

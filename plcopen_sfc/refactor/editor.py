@@ -176,8 +176,9 @@ class Editor:
         for name in fields:
             if name in _STRUCTURE:
                 raise refused(f"{name!r} cannot be set", "references would not follow", f"Use {_STRUCTURE[name]}.")
+        names = Names(self.project)
         for thing in [things] if isinstance(things, Model | str) else things:
-            each = self._step(thing)[0] if isinstance(thing, str) else thing
+            each = self._step(thing, names)[0] if isinstance(thing, str) else thing
             if isinstance(each, ActionAssociation):
                 name_edits.change_association(self._journal, each, fields)
                 charts = (c for c in charts_of(self.project) if any(own is each for _, own in c.associations()))
@@ -423,13 +424,15 @@ class Editor:
     def _run(self, steps: Sequence[Step | str]) -> tuple[list[Step], SfcNetwork]:
         if not steps:
             raise ModelError("a run of steps has none")
-        found = [self._step(each)[0] for each in steps]
+        names = Names(self.project)
+        found = [self._step(each, names)[0] for each in steps]
         return found, self._step(found[0])[1]
 
-    def _step(self, what: Step | str) -> tuple[Step, SfcNetwork]:
+    def _step(self, what: Step | str, names: Names | None = None) -> tuple[Step, SfcNetwork]:
+        """Return a step and its chart. `names`: those of the project, for who asks for many steps."""
         step: Any = what
         if isinstance(what, str):
-            step = unique_declaration(Names(self.project), what).holder
+            step = unique_declaration(names or Names(self.project), what).holder
         if not isinstance(step, Step):
             raise ModelError(f"{what!r} is no step")
         if step.chart is None or step.project is not self.project:

@@ -46,11 +46,19 @@ Wanted = Mapping[Declaration, str]
 
 
 def visible_clashes(
-    names: Names, declaration: Declaration, uses: Sequence[Occurrence], wanted: Wanted
+    names: Names,
+    declaration: Declaration,
+    uses: Sequence[Occurrence],
+    wanted: Wanted,
+    by_name: Mapping[str, Sequence[Declaration]],
 ) -> Iterator[str]:
-    """Yield the things that have the new name of `declaration` too: in its scope, or where it is used."""
+    """Yield the things that have the new name of `declaration` too: in its scope, or where it is used.
+
+    `by_name` are the keys of `wanted` by their new names in lower case.
+    """
     new = wanted[declaration]
-    beside = list(_beside(names, declaration, wanted))
+    alike = [other for other in by_name[new.casefold()] if other != declaration]
+    beside = list(_beside(names, declaration, wanted, alike))
     yield from beside
     for use in uses if not beside else ():
         meaning = names.resolver.meaning(replace(use.reference, name=new), use.text_site)
@@ -99,11 +107,10 @@ def _described(declaration: Declaration | None) -> str:
     return f"the {declaration}" if declaration is not None else "something that the project does not declare"
 
 
-def _beside(names: Names, declaration: Declaration, wanted: Wanted) -> Iterator[str]:
-    """Return the declarations that have the new name in the same scope, or gets it together with `declaration`."""
+def _beside(names: Names, declaration: Declaration, wanted: Wanted, alike: Sequence[Declaration]) -> Iterator[str]:
+    """Yield the declarations that have the new name in the same scope, or are `alike` and get it there."""
     key = wanted[declaration].casefold()
     transition = declaration.kind is Kind.TRANSITION
-    alike = [other for other, new in wanted.items() if new.casefold() == key and other != declaration]
     for level in names.levels_with(declaration):
         if declaration in level:
             for other in level.named(key):
@@ -268,13 +275,14 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
     is_shown = any(each.reference.name.casefold() in flags and not each.reference.declares for each in found)
     found = [each for each in found if each.reference.name.casefold() not in flags]
     by_name = grouped((occurrence.reference.name.casefold(), occurrence) for occurrence in found)
+    by_new_name = grouped((new.casefold(), declaration) for declaration, new in wanted.items())
     results: dict[Declaration, RenameResult] = {}
     changes: list[Change] = []
     for declaration, new in whole.items():
         own = by_name.get(declaration.name.casefold(), []) if declaration in wanted else []
         uses = [occurrence for occurrence in own if occurrence.refers_to(declaration)]
         if _gives_up_name(declaration, wanted) and not is_shared:
-            _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted))
+            _refuse(declaration, new, visible_clashes(names, declaration, uses, wanted, by_new_name))
         # the places are described as they are before the rename
         undecided = tuple(Undecided(o.use, o.meaning.doubt) for o in own if o.may_refer_to(declaration))
         if declaration in wanted:

@@ -59,7 +59,7 @@ def run_of(chart: SfcNetwork, steps: Sequence[Step], name: str, what: str, *, le
     `left_anywhere`: a run without simultaneous sequences may be left at several steps, for one of them is active.
     """
     inside = {step.id for step in steps}
-    if not steps or any(not any(each is step for each in chart.steps) for step in steps):
+    if not steps or not {*map(id, steps)}.issubset(map(id, chart.steps)):
         raise refused(what, "it needs steps of one chart")
     if any(step.initial for step in steps):
         raise refused(what, "an initial step is among them")
@@ -165,7 +165,8 @@ def move_to_macro(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], na
     if run.left_inside:
         raise refused(what, f"the step that is left last goes on inside, too: {chart.label(run.left_inside[0])}")
     # a step without a transition behind it would be a second last step
-    ends_there = [s for s in run.steps if not any(s.id in each.sources for each in run.inner) and s is not run.last]
+    going_on = {source for each in run.inner for source in each.sources}
+    ends_there = [s for s in run.steps if s.id not in going_on and s is not run.last]
     if run.last is not None and ends_there:
         raise refused(what, f"the step {ends_there[0].name!r} leads nowhere")
     if whole is not None and (run.last is None or run.last is run.first):

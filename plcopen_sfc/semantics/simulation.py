@@ -18,6 +18,7 @@ from plcopen_sfc.errors import (
     check_names,
     listed_names,
     nearest,
+    shown,
 )
 from plcopen_sfc.languages.st.literals import duration_of
 from plcopen_sfc.model.pou import Pou
@@ -57,6 +58,7 @@ Inputs = InputSource | InputFunction | Trace | str | os.PathLike[str] | None
 """Source of the inputs of a simulation; a path is that of a CSV file."""
 
 _DEFAULT_SCANS = 100
+_CLOCK = 2**63
 _OPERATING_FLAGS = frozenset(flag.variable.casefold() for flag in COMMANDS)
 
 
@@ -91,7 +93,7 @@ def simulate(
     """
     check_argument(scans, (int, type(None)), "scans is their number")
     if scans is not None and scans < 0:
-        raise ArgumentError(f"there are no {scans} scans")
+        raise ArgumentError(f"there are no {shown(scans)} scans")
     check_argument(initial, (Mapping, type(None)), "initial values are a mapping from variables to values")
     run = Simulation(
         resolve(subject, pou, project=project),
@@ -105,6 +107,9 @@ def simulate(
         run.set(path, value)
     source = _source(inputs, run)
     count = scans if scans is not None else source.scans(run.scan_time)
+    if count is not None and count * run.scan_time >= _CLOCK:
+        hint = "Its clock counts nanoseconds up to 2^63, which is 292 years."
+        raise ArgumentError(f"{shown(count)} scans are more than a simulation can run", hint=hint)
     run.run(source.bind(run.variables, run.scan_time), _DEFAULT_SCANS if count is None else count)
     return run.trace
 

@@ -111,7 +111,7 @@ def _inside(
             seen.add(id(value))
             yield from _members(instance, value, f"{path}.", seen)
     elif isinstance(value, list) and isinstance(type_, ArrayOf):
-        if type_.size > MOST_ELEMENTS:
+        if type_.whole_size > MOST_ELEMENTS:
             yield path, type_, direction
             return
         indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))

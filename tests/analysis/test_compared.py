@@ -72,6 +72,9 @@ def test_elements_of_arrays_are_compared() -> None:
     assert (verdict.kind, verdict.uncompared) == (VerdictKind.UNTESTED, ("f",))
     assert verdict.gap == "arrays of more than 256 elements are not compared: f"
     assert "not compared: f" in str(verdict).splitlines()
+    nested = project("f : ARRAY[0..19] OF ARRAY[0..19] OF INT;", action="f[0][0] := 3;")
+    verdict = compare(nested, project("f : ARRAY[0..19] OF ARRAY[0..19] OF INT;", action="f[0][0] := 4;"))
+    assert (verdict.kind, verdict.uncompared) == (VerdictKind.UNTESTED, ("f",))
     table = project("f : ARRAY[0..999] OF INT; i : INT;", action="i := f[3];")
     assert compare(table, table).proven  # nothing writes it
 

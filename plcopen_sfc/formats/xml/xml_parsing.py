@@ -32,6 +32,8 @@ from plcopen_sfc.object_path import ObjectPath
 
 MAX_DEPTH = 256
 """Deepest nesting accepted: libxml2's own limit. Real exports stay below 50; recursive readers need some bound."""
+MAX_ATTRIBUTES = 1000
+"""Most attributes of an element: to read them all takes libxml2 the square of their number."""
 
 
 _BOMS = (
@@ -184,6 +186,8 @@ def parse_xml(data: bytes, *, file: str | None = None) -> etree._Element:
     if refused is not None:
         root = _second_try(data, plain, refused, file)
     _refuse_declared_entities(root, file)
+    if _may_have_many_attributes(plain):
+        _refuse_many_attributes(root, file)
     return root
 
 
@@ -293,6 +297,31 @@ def _check_depth(plain: bytes, file: str | None) -> None:
         counter.Parse(plain, True)
     except expat.ExpatError:
         return
+
+
+def _may_have_many_attributes(plain: bytes) -> bool:
+    """True if an element may have more than `MAX_ATTRIBUTES`: a look at each would take as long as to parse them."""
+    least = MAX_ATTRIBUTES * len(' a=""')
+    start = plain.find(b"<")
+    while 0 <= start < len(plain) - least:
+        following = plain.rfind(b"<", start + 1, start + least)
+        if following < 0:
+            following = plain.find(b"<", start + least)
+            end = following if following >= 0 else len(plain)
+            if plain.count(b'"', start, end) + plain.count(b"'", start, end) > 2 * MAX_ATTRIBUTES:
+                return True
+        start = following
+    return False
+
+
+def _refuse_many_attributes(root: etree._Element, file: str | None) -> None:
+    for element in root.iter(etree.Element):
+        if len(element.attrib) > MAX_ATTRIBUTES:
+            raise UnsafeXmlError(
+                f"an element has more than {MAX_ATTRIBUTES} attributes",
+                location=Location(file, line_of(element)),
+                hint="No PLC tool writes such a file; it is damaged or made to exhaust the reader.",
+            )
 
 
 _PROLOG = re.compile(rb"(?:\xef\xbb\xbf)?(?:\s++|<\?.*?\?>|<!--.*?-->)*+(?:(<!DOCTYPE)|)", re.DOTALL)

@@ -176,8 +176,11 @@ class Names:
 
     def is_in_grafcet(self, site: Site) -> bool:
         """True for a text of a GRAFCET: in its conditions a dot is AND, and `X12` is the flag of a step."""
-        of_grafcet = self.project.tool_format.startswith("grafcet")
-        return of_grafcet or any(chart.partial_charts for chart in site.charts)
+        return self._is_of_grafcet or any(chart.partial_charts for chart in site.charts)
+
+    @cached_property
+    def _is_of_grafcet(self) -> bool:
+        return self.project.tool_format.startswith("grafcet")  # asks for all that was found wrong in the file
 
     def objection_to(self, declaration: Declaration, name: str) -> str:
         """Return why a name cannot be that of a declaration; empty if it can. Steps of a GRAFCET may have numbers."""

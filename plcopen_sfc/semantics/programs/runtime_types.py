@@ -91,6 +91,11 @@ class ArrayOf(Type):
             size *= max(upper - lower + 1, 0)
         return size
 
+    @property
+    def whole_size(self) -> int:
+        """The same, where each element that is an array counts as its elements."""
+        return self.size * (self.base.whole_size if isinstance(self.base, ArrayOf) else 1)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StructureType(Type):

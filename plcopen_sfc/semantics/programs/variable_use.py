@@ -287,7 +287,7 @@ def _parts(key: str, path: str, type_: t.Type) -> Iterator[tuple[str, str, t.Typ
     if isinstance(type_, t.StructureType) and not type_.layout.is_instance:
         for field in type_.layout.fields:
             yield from _parts(f"{key}.{field.slot}", f"{path}.{field.name}", field.type)
-    elif isinstance(type_, t.ArrayOf) and 0 < type_.size <= MOST_ELEMENTS:
+    elif isinstance(type_, t.ArrayOf) and type_.size > 0 and type_.whole_size <= MOST_ELEMENTS:
         indices = product(*(range(lower, upper + 1) for lower, upper in type_.dimensions))
         for slot, index in enumerate(indices):
             yield from _parts(f"{key}.{slot}", f"{path}[{','.join(map(str, index))}]", type_.base)

@@ -9,7 +9,14 @@ import pytest
 from lxml import etree
 
 from plcopen_sfc.errors import EncodingError, FormatError, UnsafeXmlError, XmlSyntaxError
-from plcopen_sfc.formats.xml.xml_parsing import MAX_DEPTH, SourceLines, decode_xml, detect_encoding, parse_xml
+from plcopen_sfc.formats.xml.xml_parsing import (
+    MAX_ATTRIBUTES,
+    MAX_DEPTH,
+    SourceLines,
+    decode_xml,
+    detect_encoding,
+    parse_xml,
+)
 
 TEXT = "<a>Förderer <b/></a>"
 
@@ -221,6 +228,19 @@ def test_depth() -> None:
     assert sum(1 for _ in parse_xml(deepest).iter()) == MAX_DEPTH
     with pytest.raises(UnsafeXmlError, match="nested deeper than 256"):
         parse_xml(b"<a>" + deepest + b"</a>")
+
+
+def test_number_of_attributes() -> None:
+    def element(count: int) -> bytes:
+        return b"<b " + b" ".join(b"a%d=''" % number for number in range(count)) + b"/>"
+
+    many = b"<a>\n<b>" + b'"x" ' * 2000 + b"</b>" + element(MAX_ATTRIBUTES) + b"</a>"
+    assert len(parse_xml(many)[1].attrib) == MAX_ATTRIBUTES
+    for text in (b"<a>\n" + element(MAX_ATTRIBUTES + 1) + b"</a>", b"\n" + element(MAX_ATTRIBUTES + 1)):
+        with pytest.raises(UnsafeXmlError, match="more than 1000 attributes") as caught:
+            parse_xml(text)
+        assert caught.value.location is not None
+        assert caught.value.location.line == 2
 
 
 @pytest.mark.slow
