@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from plcopen_sfc.analysis.equivalence import equivalent
@@ -27,6 +28,7 @@ from plcopen_sfc.model.drawing import Places
 from plcopen_sfc.model.pou import Pou, PouKind
 from plcopen_sfc.model.project import Chart, Project
 from plcopen_sfc.model.sfc import SfcNetwork
+from plcopen_sfc.model.types import used_types
 from plcopen_sfc.object_path import ObjectPath
 from plcopen_sfc.refactor.dialect_translation import rename_pins, translate_project
 from plcopen_sfc.refactor.rename import rename_many
@@ -206,13 +208,15 @@ class _Runnable(NamedTuple):
     name: str
     path: str
     owner: str
+    is_block: bool = False
 
 
 def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: float | str | None) -> Iterator[Proof]:
     """Run what may do something else in the second project, each for at most `limit` (seconds, or a time).
 
     These are the programs, function blocks and charts that have changed, and all of them where something has changed
-    that is in none: they may use it. Where no run can show it, the proof has no verdict.
+    that is in none: they may use it. So may what has instances of a block that is equal in itself. Where no run can
+    show it, the proof has no verdict.
     """
     changes = list(changes)
     renamed = _executed_renames(projects, changes)
@@ -229,9 +233,38 @@ def proofs(projects: tuple[Project, Project], changes: Iterable[Change], limit: 
     changed = {ObjectPath.of(change.path).owner.casefold() for change in shown}
     here, there = map(_runnable, projects)
     outside = changed - {each.owner.casefold() for each in here.values()}
+    starts = any(change.aspect == "start value" for change in shown)
+    found: dict[str, Proof] = {}
     for key, each in here.items():
         if key in there and (outside or each.owner.casefold() in changed):
-            yield _run(projects, (each, there[key]), limit)
+            found[key] = _run(projects, (each, there[key]), limit, starts=starts)
+    # runs of a block begin with any inputs: what uses it sees their start values, and in which order they come
+    for key in [key for key, proof in found.items() if proof.equal and here[key].is_block]:
+        users = _users(projects, here[key]) & there.keys() & here.keys()
+        for user in [each for each in here if each in users and each not in found]:
+            found[user] = _run(projects, (here[user], there[user]), limit, starts=starts)
+        own = [
+            change for change in shown if ObjectPath.of(change.path).owner == here[key].path and change.aspect != "code"
+        ]
+        if not users and own:
+            found[key] = replace(found[key], reason=_NO_USERS)
+    yield from found.values()
+
+
+_NO_USERS = "nothing uses the block: what users see of its start values and the order of its inputs was not run"
+
+
+def _users(projects: tuple[Project, Project], block: _Runnable) -> set[str]:
+    """Return the paths, in lower case, of what declares instances of a block, also by global variables."""
+    name, found = block.name.casefold(), set[str]()
+    for project in projects:
+        declared = [(variable, [pou]) for pou in project.pous for variable in pou.variables()]
+        everywhere = [pou for pou in project.pous if _is_run(pou)]
+        declared += [(variable, everywhere) for section in project.global_sections() for variable in section.variables]
+        for variable, pous in declared:
+            if any(name == kind.casefold() for kind in used_types(variable.type)):
+                found |= {pou.report_path.casefold() for pou in pous}
+    return found - {block.path.casefold()}
 
 
 def _is_executed(change: Change) -> bool:
@@ -275,7 +308,11 @@ def _with_old_names(project: Project, renamed: Iterable[Change]) -> Project:
 def _runnable(project: Project) -> dict[str, _Runnable]:
     """Return programs, function blocks and the charts of their actions, by their paths in lower case."""
     charts = [_Runnable(chart.name, chart.report_path, chart.pou.report_path) for chart in project.charts()]
-    pous = [_Runnable(pou.name, pou.report_path, pou.report_path) for pou in project.pous if _is_run(pou)]
+    pous = [
+        _Runnable(pou.name, pou.report_path, pou.report_path, pou.kind is PouKind.FUNCTION_BLOCK)
+        for pou in project.pous
+        if _is_run(pou)
+    ]
     return {each.path.casefold(): each for each in (*pous, *charts)}
 
 
@@ -306,8 +343,13 @@ def _methods_at(pou: Pou, path: str) -> list[str]:
     return [each.name for each in pou.methods if f"{path} / ".startswith(f"{start}{each.name} / ")]
 
 
-def _run(projects: tuple[Project, Project], both: tuple[_Runnable, _Runnable], limit: float | str | None) -> Proof:
-    """Run something in both projects, with any values of what nothing writes: it may be an input of the machine."""
+def _run(
+    projects: tuple[Project, Project], both: tuple[_Runnable, _Runnable], limit: float | str | None, *, starts: bool
+) -> Proof:
+    """Run something in both projects, with any values of what nothing writes: it may be an input of the machine.
+
+    `starts`: start values have changed, so that it also runs while nothing outside writes these.
+    """
     left, right = map(default_profile, projects)
 
     def verdict(*free: str) -> Verdict:
@@ -322,12 +364,14 @@ def _run(projects: tuple[Project, Project], both: tuple[_Runnable, _Runnable], l
 
     try:
         found = verdict(ALL_FREE)
-        frozen = verdict() if found.different else found
+        frozen = verdict() if found.different or (starts and found.equal) else found
     except SfcError as error:
         return Proof(both[0].path, reason=error.message)
     if found.different and frozen.equal and frozen.frozen:
         names = ", ".join(frozen.frozen)
         why = f"only if something outside writes {names}; while they keep their start values, both do the same"
+    elif found.equal and frozen.different:
+        found, why = frozen, "while variables that nothing in the project writes keep their start values"
     else:
         why = ""
     return Proof(both[0].path, found, why)

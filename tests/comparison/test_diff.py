@@ -1022,3 +1022,45 @@ def test_pins_that_tools_name_otherwise_are_no_difference(most: int, shown: list
         changed = [line for change in diff.changes for line in change.lines if line[:1] in "+-"]
         assert len(changed) == 2 * len(shown)
     assert b"CU := Part, R := Quit" in sfc.dumps(projects[0], format="iec-text")  # not the compared one
+
+
+BLOCK = """FUNCTION_BLOCK Sub
+    VAR_INPUT i, j : INT; gain : INT := 2; END_VAR VAR_OUTPUT o : INT := 1; END_VAR
+    o := (i - j) * gain;
+END_FUNCTION_BLOCK"""
+USER = """PROGRAM Main
+    VAR_INPUT n : INT; go : BOOL; END_VAR VAR_OUTPUT k, m : INT; END_VAR VAR s : Sub; END_VAR
+    k := s.o; IF go THEN s(n, 3); END_IF; m := s.o + s.i;
+END_PROGRAM"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        *(("gain : INT := 2", "gain : INT := 3"), ("o : INT := 1", "o : INT"), ("i, j : INT", "j, i : INT")),
+        ("gain;", "gain; i := 0;"),
+    ],
+)
+def test_what_uses_a_block_is_run_where_that_is_equal_in_itself(before: str, after: str) -> None:
+    """Runs of a block begin with any inputs, in any order; its users see start values, order and what it leaves."""
+    one, other = (
+        sfc.loads(f"{text}\n{USER}".encode(), format="iec-text") for text in (BLOCK, BLOCK.replace(before, after))
+    )
+    proofs = {proof.path: proof for proof in sfc.diff(one, other, prove=True).proofs}
+    assert proofs["POU Sub"].equal
+    assert proofs["POU Main"].verdict is not None
+    assert proofs["POU Main"].verdict.different
+    alone = [sfc.loads(text.encode(), format="iec-text") for text in texts]
+    (proof,) = sfc.diff(*alone, prove=True).proofs
+    assert ("nothing uses the block" in proof.reason) is ("i := 0" not in after)
+
+
+def test_start_values_that_nothing_changes_are_those_of_the_run() -> None:
+    text = """VAR_GLOBAL limit : INT := 4; END_VAR
+    PROGRAM Main VAR_INPUT n : INT; END_VAR VAR_OUTPUT q : BOOL; END_VAR VAR_EXTERNAL limit : INT; END_VAR
+    q := n > limit; END_PROGRAM"""
+    one, other = (sfc.loads(each.encode(), format="iec-text") for each in (text, text.replace(":= 4", ":= 40")))
+    (proof,) = sfc.diff(one, other, prove=True).proofs
+    assert proof.verdict is not None
+    assert proof.verdict.different
+    assert proof.reason == "while variables that nothing in the project writes keep their start values"
