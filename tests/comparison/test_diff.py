@@ -1043,9 +1043,8 @@ END_PROGRAM"""
 )
 def test_what_uses_a_block_is_run_where_that_is_equal_in_itself(before: str, after: str) -> None:
     """Runs of a block begin with any inputs, in any order; its users see start values, order and what it leaves."""
-    one, other = (
-        sfc.loads(f"{text}\n{USER}".encode(), format="iec-text") for text in (BLOCK, BLOCK.replace(before, after))
-    )
+    texts = BLOCK, BLOCK.replace(before, after)
+    one, other = (sfc.loads(f"{text}\n{USER}".encode(), format="iec-text") for text in texts)
     proofs = {proof.path: proof for proof in sfc.diff(one, other, prove=True).proofs}
     assert proofs["POU Sub"].equal
     assert proofs["POU Main"].verdict is not None
