@@ -14,7 +14,7 @@ from plcopen_sfc.documents.sources import FileSource
 from plcopen_sfc.errors import FormatError
 from plcopen_sfc.formats.format_interface import Codec, DrawingNeed, Format, WriteOptions
 from plcopen_sfc.formats.provenance import compared_only, is_as_read, is_from, is_of_file
-from plcopen_sfc.languages.declarations.conditions import CONDITION, leave_conditions
+from plcopen_sfc.languages.declarations.conditional_declarations import CONDITION, leave_conditions
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.model.numbering import number_in_order, numbered_in_order

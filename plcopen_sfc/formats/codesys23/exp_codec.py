@@ -46,7 +46,7 @@ from plcopen_sfc.formats.text_patch import (
 )
 from plcopen_sfc.languages.declarations import write_type, write_value
 from plcopen_sfc.languages.declarations.attributes import pragma_attributes
-from plcopen_sfc.languages.declarations.conditions import without_conditions
+from plcopen_sfc.languages.declarations.conditional_declarations import without_conditions
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.pragmas import RemainderEntry

@@ -1,7 +1,8 @@
 """Declarations: from text to the model and back, in every dialect.
 
 `declaration_reading` and `declaration_writing`, with `declaration_comments` and `type_names` (which words are names);
-`kept_texts`: what one dialect alone has, and EXTENDS and IMPLEMENTS; `attributes`: ``{attribute 'no_init'}``.
+`kept_texts`: what one dialect alone has, and EXTENDS and IMPLEMENTS; `attributes`: ``{attribute 'no_init'}``;
+`conditional_declarations`: ``{IF defined (X)} .. {END_IF}``.
 """
 
 from plcopen_sfc.languages.declarations.declaration_reading import (

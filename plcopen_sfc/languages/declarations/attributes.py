@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 
-from plcopen_sfc.languages.declarations.conditions import CONDITION
+from plcopen_sfc.languages.declarations.conditional_declarations import CONDITION
 from plcopen_sfc.languages.declarations.kept_texts import kept, texts_from, with_kept
 from plcopen_sfc.languages.st.lexer import CommentKind, tokenize
 from plcopen_sfc.languages.words import IEC_KEYWORDS
