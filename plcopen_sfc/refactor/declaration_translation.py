@@ -56,7 +56,7 @@ def translate_declarations(project: Project, renames: Renames, target: Dialect) 
         keep_names(project, KeptNames.TRANSLATED, renames.rows() if source is Dialect.SCL else ())
     _rename_instances(project, source, target)
     _say_lengths(project, source, target)
-    return [*found, *_say_starts(project, source, target)]
+    return [*found, *_say_starts(project, source, target), *_say_views(project, source, target)]
 
 
 def compute_constants(project: Project) -> list[TranslatedText]:
@@ -222,6 +222,20 @@ def _say_starts(project: Project, source: Dialect, target: Dialect) -> Iterator[
         if why:
             note = Note(severity, why, (0, 0), 1, 1)
             yield TranslatedText(f"{path} / {variable.name}", changed=True, notes=(note,))
+
+
+def _say_views(project: Project, source: Dialect, target: Dialect) -> Iterator[TranslatedText]:
+    """Tell of variables that lie over others (``b AT d : ..``), which S7 alone has."""
+    if source is not Dialect.SCL or target is Dialect.SCL:
+        return
+    for pou in project.pous:
+        for variable in pou.variables():
+            if variable.address and not variable.address.startswith("%"):
+                why = f"it lies over `{variable.address}`, and only direct addresses are behind AT in other tools"
+                note = Note(Severity.ERROR, why, (0, 0), 1, 1)
+                yield TranslatedText(
+                    f"{pou.report_path} / {variable.name}", changed=False, notes=(note,), what="address"
+                )
 
 
 _FIRST_DAYS = {"DATE": "D#1990-01-01", "DT": "DT#1990-01-01-00:00:00"}

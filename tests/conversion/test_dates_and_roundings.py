@@ -302,3 +302,34 @@ def test_conversions_that_scl_lacks_are_others_or_not_executed(tool: str, body: 
     data, report = sfc.convert(project, "scl", partial=True)
     assert (written or body.partition("(")[0].rpartition(" ")[2]) in data.decode()
     assert bool(report.with_outcome(Outcome.NOT_EXECUTED)) is not bool(written)
+
+
+def test_a_number_becomes_a_time_of_whole_milliseconds_in_codesys() -> None:
+    project = block("VAR_INPUT r : REAL; END_VAR VAR_OUTPUT t : TIME; END_VAR", "t := REAL_TO_TIME(r);")
+    for target in ("plcopen-2.01", "iec-text"):
+        flavour = "matiec" if target == "iec-text" else ""
+        assert [why for _, why in losses(project, target, flavour) if "keeps the fraction" in why]
+    instance = Controller(project).instance("Main")
+    for given, milliseconds in ((1.7, 2), (2.5, 3), (0.4, 0)):
+        instance["r"] = given
+        instance.scan()
+        assert instance["t"] == milliseconds * 1_000_000
+
+
+@pytest.mark.parametrize("target", ["codesys", "plcopen-2.01", "codesys23", "iec-text"])
+def test_views_of_other_variables_are_not_executed_elsewhere(target: str) -> None:
+    text = """FUNCTION_BLOCK "Blk"
+VERSION : 0.1
+VAR_OUTPUT q : Bool; END_VAR
+VAR
+  d : DWord;
+  b AT d : Array[0..31] of Bool;
+END_VAR
+BEGIN
+#q := #b[24];
+END_FUNCTION_BLOCK
+"""
+    project = sfc.loads(text.encode(), format="scl")
+    flavour = "matiec" if target == "iec-text" else ""
+    report = sfc.convert(project, target, flavour=flavour, partial=True).report
+    assert [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "`d`" in item.why]

@@ -168,6 +168,7 @@ _NUMBERS = {"DWORD": "UDINT", "LWORD": "ULINT"}
 _LACKED_CONVERSIONS = {("TIME", "STRING"), ("LTIME", "STRING"), ("STRING", "BOOL"), ("STRING", "TIME")}
 """Conversions that SCL has no words for."""
 _CONVERSION = re.compile(r"(?:([A-Z]+)_)?TO_([A-Z]+)")
+_TO_TIMES = frozenset({"REAL_TO_TIME", "LREAL_TO_TIME"})
 _QUOTIENTS = frozenset({Operator.DIVIDE, Operator.MODULO})
 _CHOICES = {"SEL": 1, "MUX": 1}
 """Functions of which CODESYS evaluates the argument alone that is taken, and how many others come before these."""
@@ -466,6 +467,9 @@ class CallTranslator:
             self._notes.add(Severity.WARNING, reason, node)
         elif reason := other_rounding(name, self._source, self._target):
             self._notes.add(Severity.WARNING, reason, node)
+        elif name in _TO_TIMES and Dialect.SCL not in tools and len(tools) > 1:
+            reason = "CODESYS rounds to whole milliseconds, IEC 61131-3 keeps the fraction"
+            self._notes.add(Severity.WARNING, f"{name}: {reason}", node)
         dated = _OF_DATES.fullmatch(name)
         if dated is not None and Dialect.SCL in tools and len(tools) > 1 and name not in _FROM_DATES:
             kinds = {dated["source"], dated["result"]}

@@ -194,6 +194,8 @@ class Converter:
         if target.family is Family.BOOL and source.family is not Family.STRING:
             return f"({text} != 0)"
         if source.family is Family.REAL and target.is_ranged:
+            if self.round == "half_away" and not to_number:  # CODESYS: the number becomes a whole one first
+                return f"({self.round}({text}) * {self._count_unit(target)})"
             scaled = text if to_number else f"({text} * {self._count_unit(target)})"
             return f"{self.round}({scaled})"
         if target.family is Family.REAL and source.is_ranged:
