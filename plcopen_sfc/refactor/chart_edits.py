@@ -70,10 +70,11 @@ def insert_step(
         journal.put(link, "priority", None)
     journal.put(link, "sources" if before else "targets", [step.id])
     _put_beside(journal, chart, link, [added], behind=not before)
-    sources = link.sources if not before else added.sources
-    place = max((index for index, each in enumerate(chart.steps) if each.id in sources), default=-1)
-    if place >= 0 and not _has_places(chart):
-        journal.put(chart, "steps", [*chart.steps[: place + 1], step, *chart.steps[place + 1 : -1]])
+    if _tool_format(chart) == "codesys23":  # its files have steps and transitions as they follow each other
+        sources = link.sources if not before else added.sources
+        place = max((index for index, each in enumerate(chart.steps) if each.id in sources), default=-1)
+        if place >= 0:
+            journal.put(chart, "steps", [*chart.steps[: place + 1], step, *chart.steps[place + 1 : -1]])
     for sequence in chart.sequences:
         near = next((index for index, each in enumerate(sequence.steps) if each in neighbours), None)
         if near is not None:
@@ -82,20 +83,19 @@ def insert_step(
     return step
 
 
-def _has_places(chart: SfcNetwork) -> bool:
-    """True for a chart of a `.grafcet` file, which refers to elements by their places: new ones come last there.
-
-    No transition is tried before another in it.
-    """
-    return chart.project is not None and chart.project.tool_format == "grafcet"
+def _tool_format(chart: SfcNetwork) -> str:
+    return chart.project.tool_format if chart.project is not None else ""
 
 
 def _put_beside(
     journal: Journal, chart: SfcNetwork, link: Transition, added: Sequence[Transition], *, behind: bool
 ) -> None:
-    """Put transitions beside another into the list of a chart: its order is that of competing transitions."""
+    """Put transitions beside another into the list of a chart: its order is that of competing transitions.
+
+    A `.grafcet` file refers to transitions by their places, and none is tried before another: there they come last.
+    """
     place = next(index for index, each in enumerate(chart.transitions) if each is link) + behind
-    if _has_places(chart):
+    if _tool_format(chart) == "grafcet":
         place = len(chart.transitions)
     journal.put(chart, "transitions", [*chart.transitions[:place], *added, *chart.transitions[place:]])
 

@@ -231,7 +231,9 @@ class _Typing:
         return kind
 
     def _set_type(self, block: net.Block, kind: str, inputs: list[net.BlockVariable]) -> None:
-        """Write the type of a box."""
+        """Write the type of a box. Its ENO is EN as in other tools, also where the result does not fit the type."""
+        if block.type_name in _COMPUTING and any(wire.pin == "ENO" for wire in wires_from(self.network, block.id)):
+            _mark(block, DisabledENO="true")
         _mark(block, SrcType=kind, **({"Card": str(len(inputs))} if block.type_name in _COUNTED else {}))
 
     def write_as_words(self, block: net.Block) -> None:

@@ -140,3 +140,49 @@ def test_comparisons_of_bool_give_the_same_as_logic(condition: str) -> None:
     project = sfc.loads(CHART.format(condition=condition).encode(), format="iec-text")
     report = sfc.save(project, io.BytesIO(), format="simaticml", strict=True, limit=20)
     assert report.compared["POU Chart"].startswith("equal")
+
+
+def _variables(kind: str, **names: str) -> str:
+    found = "".join(f'<variable name="{name}"><type><{type_}/></type></variable>' for name, type_ in names.items())
+    return f"<{kind}>{found}</{kind}>"
+
+
+def _input(pin: str, source: int) -> str:
+    wired = f'<connectionPointIn><connection refLocalId="{source}"/></connectionPointIn>'
+    return f'<variable formalParameter="{pin}">{wired}</variable>'
+
+
+PLACE = '<position x="0" y="0"/>'
+RUNG = f"""<LD>
+<leftPowerRail localId="1">{PLACE}<connectionPointOut formalParameter=""/></leftPowerRail>
+<contact localId="2">{PLACE}<connectionPointIn><connection refLocalId="1"/></connectionPointIn><connectionPointOut/>
+<variable>a</variable></contact>
+<inVariable localId="3">{PLACE}<connectionPointOut/><expression>i</expression></inVariable>
+<block localId="5" typeName="ADD">{PLACE}
+<inputVariables>{_input("EN", 2)}{_input("IN1", 3)}{_input("IN2", 3)}</inputVariables><inOutVariables/>
+<outputVariables><variable formalParameter="ENO"><connectionPointOut/></variable>
+<variable formalParameter="OUT"><connectionPointOut/></variable></outputVariables></block>
+<coil localId="6"><position x="200" y="0"/><connectionPointIn><connection refLocalId="5" formalParameter="ENO"/>
+</connectionPointIn><connectionPointOut/><variable>q</variable></coil>
+<outVariable localId="7"><position x="200" y="90"/><connectionPointIn>
+<connection refLocalId="5" formalParameter="OUT"/></connectionPointIn><expression>s</expression></outVariable></LD>"""
+WITH_ENO = f"""<project xmlns="http://www.plcopen.org/xml/tc6_0201">
+<fileHeader companyName="" productName="" productVersion="1" creationDateTime="2024-01-01T00:00:00"/>
+<contentHeader name="x"><coordinateInfo><fbd><scaling x="1" y="1"/></fbd><ld><scaling x="1" y="1"/></ld>
+<sfc><scaling x="1" y="1"/></sfc></coordinateInfo></contentHeader>
+<types><dataTypes/><pous><pou name="Main" pouType="functionBlock">
+<interface>{_variables("inputVars", a="BOOL", i="INT")}{_variables("outputVars", q="BOOL", s="INT")}</interface>
+<body>{RUNG}</body></pou></pous></types><instances><configurations/></instances></project>"""
+
+
+def test_the_eno_of_a_box_of_another_tool_is_its_en() -> None:
+    """Of S7 it is FALSE where the result does not fit, unless that is switched off (``DisabledENO``)."""
+    data, report = convert(sfc.loads(WITH_ENO.encode()), "simaticml", partial=True)
+    assert not [item for item in report.losses if "ENO" in item.why]
+    (add,) = re.findall(rb'<Part Name="Add"[^>]*>', data)
+    assert b'DisabledENO="true"' in add
+    assert b'Name="eno"' in data
+    alone = WITH_ENO.replace('refLocalId="5" formalParameter="ENO"', 'refLocalId="2"')
+    assert b"DisabledENO" not in convert(sfc.loads(alone.encode()), "simaticml", partial=True).data
+    back = convert(sfc.loads(data), "plcopen-2.01", fresh=True, partial=True)
+    assert not [item for item in back.report.losses if "its ENO is FALSE" in item.why]

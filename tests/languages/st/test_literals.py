@@ -235,7 +235,8 @@ _TIME = {Dialect.IEC: (-(2**70), 2**70), SCL: (-(2**31), 2**31 - 1)}
 
 
 def _durations(dialect: Dialect) -> st.SearchStrategy[LiteralValue]:
-    long = st.integers(-(2**63), 2**63 - 1).map(lambda ns: (ns, "LTIME"))
+    unsigned = dialect in (Dialect.CODESYS, Dialect.TWINCAT)
+    long = st.integers(0 if unsigned else -(2**63), 2**64 - 1 if unsigned else 2**63 - 1).map(lambda ns: (ns, "LTIME"))
     least, greatest = _TIME.get(dialect, (0, 2**32 - 1))
     found = long | st.integers(least, greatest).map(lambda ms: (ms * MS, "TIME"))
     if dialect is SCL:
