@@ -7,17 +7,20 @@ forms are made only where the texts differ: most texts of a conversion do not.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Generic, TypeVar
 
+from plcopen_sfc.languages.declarations.conditional_declarations import CONDITION
 from plcopen_sfc.languages.declarations.declaration_writing import write_type
 from plcopen_sfc.languages.memory_addresses import memory_address
 from plcopen_sfc.languages.networks import NetworkExpression, NetworkText, body_statements, normal_form
 from plcopen_sfc.languages.networks.wires import DUALS, with_inner_negations
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, parse_statements, print_node, transform, walk
+from plcopen_sfc.languages.st.lexer import tokenize
 from plcopen_sfc.languages.st.literals import LiteralError, LiteralKind, literal_value
 from plcopen_sfc.languages.words import folded
 from plcopen_sfc.model.base import Model
@@ -226,11 +229,18 @@ def code_meaning(body: Body | None, dialect: Dialect, named: Renaming) -> Meanin
 
 
 def _text_meaning(text: str, dialect: Dialect, named: Renaming) -> Meaning:
+    """Return the meaning of statements: their tree, and the pragmas that tell which CODESYS compiles."""
+
     def form() -> Hashable:
         parsed = parse_statements(text, dialect)
         if parsed.problems:
             return " ".join(text.split())
-        return program_form(parsed.tree, named)
+        found = program_form(parsed.tree, named)
+        conditions = [each for each in parsed.comments if CONDITION.match(each.text)]
+        if not conditions:
+            return found
+        ends = [token.span[1] for token in tokenize(text, dialect).tokens]
+        return found, tuple((bisect_right(ends, each.span[0]), " ".join(each.text.split())) for each in conditions)
 
     return Meaning(lambda: " ".join(text.split()), text, Once(form), text=lambda: text)
 

@@ -11,6 +11,7 @@ import plcopen_sfc as sfc
 from plcopen_sfc import ChangeKind
 from plcopen_sfc.errors import ArgumentError
 from plcopen_sfc.model import BodyCondition, FbdBody, LdBody, StructType
+from plcopen_sfc.model.dialect import Dialect
 from tests.corpus import corpus_files
 from tests.samples import FIXTURES
 from tests.sweeps import some_of
@@ -1063,3 +1064,25 @@ def test_start_values_that_nothing_changes_are_those_of_the_run() -> None:
     assert proof.verdict is not None
     assert proof.verdict.different
     assert proof.reason == "while variables that nothing in the project writes keep their start values"
+
+
+def test_pragmas_that_leave_statements_out_are_compared_and_not_run() -> None:
+    text = """PROGRAM Main VAR_INPUT a : BOOL; END_VAR VAR_OUTPUT q : BOOL; END_VAR
+    {IF defined (SIMULATION)} q := TRUE; {ELSE} q := a; {END_IF} END_PROGRAM"""
+    others = [
+        text.replace("{IF defined", "{IF NOT defined"),
+        text.replace("{IF defined (SIMULATION)} ", "").replace("{ELSE} ", "").replace("{END_IF} ", ""),
+        text.replace(" q := a; {END_IF}", " {END_IF} q := a;"),
+    ]
+    projects = [sfc.loads(each.encode(), format="iec-text") for each in (text, *others)]
+    for project in projects:
+        project.dialect = Dialect.CODESYS
+    for other in projects[1:]:
+        found = sfc.diff(projects[0], other, prove=True)
+        assert [(change.path, change.aspect) for change in found.changes] == [("POU Main", "code")]
+        (proof,) = found.proofs
+        assert not proof.equal
+        assert "{IF defined (SIMULATION)} are compiled is not known" in str(proof)
+    respaced = sfc.loads(text.replace(" q := TRUE", "\n\n  q := TRUE").encode(), format="iec-text")
+    respaced.dialect = Dialect.CODESYS
+    assert sfc.diff(projects[0], respaced).equal

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from plcopen_sfc.errors import Location, SimulationError
+from plcopen_sfc.languages.declarations.conditional_declarations import CONDITION
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.declarations.type_names import is_unreserved
 from plcopen_sfc.languages.method_calls import KEPT_IN_METHODS
@@ -18,6 +19,7 @@ from plcopen_sfc.languages.networks.exported_networks import SOURCES, network_st
 from plcopen_sfc.languages.networks.results import NetworkText
 from plcopen_sfc.languages.st import Parsed, parse_expression, parse_statements
 from plcopen_sfc.languages.st import nodes as n
+from plcopen_sfc.languages.st.lexer import CommentKind
 from plcopen_sfc.model import types as m
 from plcopen_sfc.model.body import FbdBody, IlBody, LdBody, OpaqueBody, StBody
 from plcopen_sfc.model.declaration import Kind
@@ -392,3 +394,8 @@ def _check_syntax(parsed: Parsed[Any]) -> None:
     if parsed.problems:
         line, column = parsed.place(parsed.problems[0].span[0])
         raise SimulationError(parsed.problems[0].message, location=Location(line=line, column=column))
+    for comment in parsed.comments:
+        if comment.kind is CommentKind.PRAGMA and CONDITION.match(comment.text):
+            line, column = parsed.place(comment.span[0])
+            why = f"which statements behind {comment.text} are compiled is not known to the simulator"
+            raise SimulationError(why, location=Location(line=line, column=column))
