@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from plcopen_sfc.languages.binding.text_sites import text_sites
+from plcopen_sfc.languages.declarations.conditional_declarations import starts_condition
 from plcopen_sfc.languages.declarations.kept_texts import kept
 from plcopen_sfc.languages.effects import conditional_assignment
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
@@ -17,7 +18,7 @@ from plcopen_sfc.languages.st import parse_expression, print_node, transform, wa
 from plcopen_sfc.languages.st.lexer import CommentKind
 from plcopen_sfc.languages.st.printing import render
 from plcopen_sfc.languages.translation.call_translation import is_mixed
-from plcopen_sfc.languages.translation.text_translation import CONDITIONAL_PRAGMA, with_block_comments
+from plcopen_sfc.languages.translation.text_translation import with_block_comments
 from plcopen_sfc.model import types as t
 from plcopen_sfc.model.body import IlBody, StBody
 from plcopen_sfc.model.conditions import Expression
@@ -112,7 +113,7 @@ def replace_later_language(project: Project, report: ConversionReport) -> None:
         if truncating.intersection(node.called.casefold() for node in walk(parsed.tree) if isinstance(node, n.Call)):
             why = "TRUNC gives an INT in CoDeSys 2.3, and a DINT in the source"
             report.add(Outcome.APPROXIMATED, "text", site.report_path, why)
-        if any(CONDITIONAL_PRAGMA.match(each.text) for each in parsed.comments if each.kind is CommentKind.PRAGMA):
+        if any(starts_condition(each.text) for each in parsed.comments if each.kind is CommentKind.PRAGMA):
             why = "CoDeSys 2.3 has no pragmas that leave statements out: they are always executed there"
             report.add(Outcome.NOT_EXECUTED, "text", site.report_path, why)
         passed = transform(parsed.tree, partial(_with_all_inputs, functions))

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from plcopen_sfc.languages.binding.text_sites import SiteKind, text_sites
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_expression, print_node, transform
+from plcopen_sfc.languages.translation.call_translation import TAKING_BITS, number_of_bits
 from plcopen_sfc.model.network import Block
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.report import ConversionReport, Outcome
@@ -87,8 +88,7 @@ def _as_number(call: n.Call) -> n.Expression | None:
     if found is None or value is None:
         return None
     source, _, result = call.called.upper().partition("_TO_")
-    number = "ULINT" if "LWORD" in (source, result) else "UDINT"
-    return parse_expression(f"{number}_TO_{result}({source}_TO_{number}({print_node(value)}))").tree
+    return number_of_bits(source, result, value, call)
 
 
 def count_in_seconds(project: Project, report: ConversionReport, tool: str) -> None:
@@ -136,7 +136,7 @@ def note_functions(project: Project, report: ConversionReport, tool: str, *, wit
             report.add(Outcome.APPROXIMATED, "function", text_site.report_path, why)
 
 
-_RAW = re.compile(r"\b(?:DWORD_TO_REAL|LWORD_TO_LREAL|REAL_TO_DWORD|LREAL_TO_LWORD)\b", re.IGNORECASE)
+_RAW = re.compile(rf"\b(?:{'|'.join(sorted(map('_TO_'.join, TAKING_BITS)))})\b", re.IGNORECASE)
 """Conversions that take the bits as they are in IEC 61131-3, and the number in matiec."""
 _CONVERSION = re.compile(rf"\b(?:{_FROM_TIME.pattern}|{_TO_TIME.pattern})\b", re.IGNORECASE)
 _OTHERWISE = re.compile(

@@ -11,8 +11,14 @@ from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.types import StructType, Variable
 from plcopen_sfc.model.variables import VariableSection, sections_of
 
-CONDITION = re.compile(r"\{\s*(?:IF|ELSIF|ELSE|(?P<end>END_IF))\b", re.IGNORECASE)
+CONDITION = re.compile(r"\{\s*(?:(?P<start>IF)|ELSIF|ELSE|(?P<end>END_IF))\b", re.IGNORECASE)
 """A pragma that leaves out what is behind it, or ends that."""
+
+
+def starts_condition(pragma: str) -> bool:
+    """True for the first of the pragmas with which CODESYS compiles something or not."""
+    found = CONDITION.match(pragma)
+    return found is not None and found["start"] is not None
 
 
 def without_conditions(text: str) -> str:

@@ -94,7 +94,7 @@ def _takes_bits(name: str) -> bool:
     converted = _CONVERSION.fullmatch(name)
     if converted is None or converted[2] not in _NUMBERS.keys() | {"REAL", "LREAL"}:
         return False
-    return converted[1] is None or converted.groups() in _RAW
+    return converted[1] is None or converted.groups() in TAKING_BITS
 
 
 def _counted_value(call: n.Call, name: str) -> n.Member | None:
@@ -162,7 +162,7 @@ HALVES = _HALVES.format(tool="S7")
 """Difference where a number with decimals becomes one without."""
 
 
-_RAW = {("DWORD", "REAL"), ("REAL", "DWORD"), ("LWORD", "LREAL"), ("LREAL", "LWORD")}
+TAKING_BITS = {("DWORD", "REAL"), ("REAL", "DWORD"), ("LWORD", "LREAL"), ("LREAL", "LWORD")}
 """Conversions that take the bits as they are in IEC 61131-3 (ed. 3, table 22) and in S7, and the number in CODESYS."""
 _NUMBERS = {"DWORD": "UDINT", "LWORD": "ULINT"}
 _LACKED_CONVERSIONS = {("TIME", "STRING"), ("LTIME", "STRING"), ("STRING", "BOOL"), ("STRING", "TIME")}
@@ -190,7 +190,7 @@ def other_rounding(name: str, source: Dialect, target: Dialect) -> str:
 def other_bits(name: str, source: Dialect, target: Dialect) -> str:
     """Return what a function for bit strings and real numbers gives otherwise in another family; empty: nothing."""
     tools = {source, target}
-    if tuple(name.split("_TO_")) not in _RAW or Dialect.CODESYS not in tools or len(tools) == 1:
+    if tuple(name.split("_TO_")) not in TAKING_BITS or Dialect.CODESYS not in tools or len(tools) == 1:
         return ""
     return f"{name}: CODESYS converts the number, {_other_tool(tools)} takes its bits as they are"
 
@@ -412,11 +412,11 @@ class CallTranslator:
     def _other_conversion(self, node: n.Call, source: str, result: str, value: Expression) -> Expression | None:
         """Return a conversion by others where the target does something else, or has none; None where it does."""
         name = f"{source}_TO_{result}"
-        if (source, result) in _RAW and self._source is not self._target:
+        if (source, result) in TAKING_BITS and self._source is not self._target:
             if self._source is Dialect.CODESYS:
                 if reason := other_rounding(name, self._source, self._target):
                     self._notes.add(Severity.WARNING, reason, node)
-                return _by_way_of(_NUMBERS.get(source) or _NUMBERS[result], source, result, value, node)
+                return number_of_bits(source, result, value, node)
             if self._target is Dialect.CODESYS:
                 reason = other_bits(name, self._source, self._target)
                 self._notes.add(Severity.ERROR, f"{reason}; left unchanged", node)
@@ -642,6 +642,11 @@ class CallTranslator:
         if callee is node.callee and arguments is node.arguments:
             return node
         return replace(node, callee=callee, arguments=arguments)
+
+
+def number_of_bits(source: str, result: str, value: Expression, node: n.Call) -> Expression:
+    """Return a conversion of a bit string and a real number, one of `TAKING_BITS`, by the number that the bits are."""
+    return _by_way_of(_NUMBERS.get(source) or _NUMBERS[result], source, result, value, node)
 
 
 def _by_way_of(between: str, source: str, result: str, value: Expression, node: n.Call) -> Expression:

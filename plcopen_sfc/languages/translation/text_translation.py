@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any, Literal, TypeAlias
 
 from plcopen_sfc.diagnostics import Severity
+from plcopen_sfc.languages.declarations.conditional_declarations import starts_condition
 from plcopen_sfc.languages.grafcet_conditions import condition_problem
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st.lexer import Comment, CommentKind, tokenize
@@ -34,8 +35,6 @@ from plcopen_sfc.report import Cause, CauseKind
 
 _CARRIED = re.compile(r"\(\*pragma (\{[^}]*\})\*\)")
 _REGION = re.compile(r"""\{\s*region\s*(?:\(?\s*(?:'([^\r\n]*)'|"([^\r\n]*)")\s*\)?\s*)?\}""", re.IGNORECASE)
-CONDITIONAL_PRAGMA = re.compile(r"\{\s*IF\b", re.IGNORECASE)
-"""The first of the pragmas with which CODESYS compiles statements or not."""
 _END_OF_REGION = re.compile(r"END_REGION", re.IGNORECASE)
 _END_REGION = re.compile(r"\{\s*endregion\s*\}", re.IGNORECASE)
 
@@ -61,7 +60,7 @@ def translated_comment(kind: CommentKind, text: str, source: Dialect, target: Di
 
 
 def _pragma(text: str, target: Dialect, *, regions: bool) -> PartText:
-    if CONDITIONAL_PRAGMA.match(text):
+    if starts_condition(text):
         why = f"{TITLES[target]} has no pragmas that leave statements out: they are always executed there"
         return PartText(
             text if target is not Dialect.SCL else f"(*pragma {inside_comment(text)}*)", Severity.ERROR, why

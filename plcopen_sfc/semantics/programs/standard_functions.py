@@ -234,17 +234,14 @@ class StandardFunctions:
         acts = any(value.acts for value in values)
         if name == "SEL":
             chooser = self._translator.value(nodes[0], t.BOOL)
-            which = chooser.text
-            text = f"({values[1].text} if {chooser.text} else {values[0].text})"
+            no, yes = (value.text for value in values)
+            is_eager = acts and not is_lazy
+            text = f"({no}, {yes})[{chooser.text}]" if is_eager else f"({yes} if {chooser.text} else {no})"
         else:
             chooser = settled(self._translator.value(nodes[0], t.DINT))
-            helper = self._helper("chosen_or_last" if is_lazy else "chosen")
-            which = f"{helper}({chooser.text}, {len(values)})"
-            text = f"({', '.join(value.text for value in values)})[{which}]"
-        if is_lazy and name == "MUX":
-            text = f"({', '.join(f'lambda: {value.text}' for value in values)})[{which}]()"
-        elif acts and not is_lazy and name == "SEL":
-            text = f"({', '.join(value.text for value in values)})[{which}]"
+            which = f"{self._helper('chosen_or_last' if is_lazy else 'chosen')}({chooser.text}, {len(values)})"
+            texts = [f"lambda: {value.text}" if is_lazy else value.text for value in values]
+            text = f"[{', '.join(texts)}][{which}]" + ("()" if is_lazy else "")
         return ranged(text, values[0].type, acts=acts or chooser.acts)
 
     def _shift(self, name: str, nodes: list[n.Expression], expected: t.Type | None) -> Code:
