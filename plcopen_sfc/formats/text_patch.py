@@ -242,12 +242,17 @@ class _Patch:
         return self._children(around, before, after)
 
     def _children(self, around: BlockSpan, before: WrittenBlock, after: WrittenBlock) -> list[Edit]:
-        pairs = _pairs(before.blocks, _in_order_of(before.blocks, after.blocks))
+        number_of = {key: number for number, inner in enumerate(around.spans) for key in inner.keys}
+        in_text: Sequence[WrittenBlock] = sorted(before.blocks, key=lambda block: number_of[block.key])
+        if _by_kind(in_text) != _by_kind(
+            before.blocks
+        ):  # the writer has another order, such as types before their uses
+            in_text = before.blocks
+        pairs = _pairs(in_text, _in_order_of(in_text, after.blocks))
         old_blocks = {block.key: block for block in before.blocks}
         edits: list[Edit] = []
         following: dict[int, list[WrittenBlock]] = {}  # new blocks by the number of the span that they follow
         new_of: dict[int, list[WrittenBlock]] = {}  # what is in the place of a span, by its number
-        number_of = {key: number for number, inner in enumerate(around.spans) for key in inner.keys}
         last = -1
         for old, new in pairs:
             if old is not None and new is not None:
@@ -396,32 +401,41 @@ _LONG = 200
 
 
 def _in_order_of(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) -> Sequence[WrittenBlock]:
-    """Return the blocks `after` as those `before` are ordered, if only blocks of different kinds changed places.
+    """Return the blocks `after` in the places that the blocks `before` have, each kind in its order.
 
-    A writer puts the transitions of a chart between its steps as it flows, which one new step can change all along.
-    Where some are gone and others new, these may be the same with other names, in their places.
+    A writer puts the transitions of a chart between its steps as it flows, which one new step or one other target can
+    change all along. Blocks without a place follow the one that they follow in `after`, as the order of their kind allows.
     """
-    known = {block.key for block in before}
-    new = {block.key for block in after}
-    if known - new and new - known:
-        return after
-    number = {block.key: at for at, block in enumerate(before)}
-    common = [block.key for block in after if block.key in known]
-    as_before = sorted(common, key=number.__getitem__)
-    if common == as_before or _by_kind(common) != _by_kind(as_before):
-        return after
-    places: dict[Key, int] = {}
+    place = _places_by_kind(before, after)
+    bounds: dict[str, int] = {}  # by kind, the place of the next block that has one
+    limits: list[int] = []
+    for block in reversed(after):
+        limits.append(bounds.get(block.key[0], len(before)))
+        bounds[block.key[0]] = place.get(block.key, limits[-1])
     latest: dict[str, int] = {}
     last = -1
-    for block in after:
-        kind = block.key[0]
-        last = places[block.key] = number.get(block.key, latest.get(kind, last))
-        latest[kind] = last
-    return sorted(after, key=lambda block: places[block.key])
+    for block, limit in zip(after, reversed(limits), strict=True):
+        if block.key not in place:
+            place[block.key] = max(latest.get(block.key[0], -1), min(last, limit - 1))
+        last = latest[block.key[0]] = place[block.key]
+    return sorted(after, key=lambda block: place[block.key])
 
 
-def _by_kind(keys: Iterable[Key]) -> list[Key]:
-    return sorted(keys, key=lambda key: key[0])
+def _places_by_kind(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) -> dict[Key, int]:
+    """Return the numbers in `before` of blocks `after`, by their keys: of those that stay, and of those in their stead."""
+    old = grouped((block.key[0], (number, block.key)) for number, block in enumerate(before))
+    new = grouped((block.key[0], block.key) for block in after)
+    found: dict[Key, int] = {}
+    for kind in old.keys() & new.keys():
+        numbers, keys = zip(*old[kind], strict=True)
+        matcher = SequenceMatcher(a=keys, b=new[kind], autojunk=False)
+        for _, low, high, new_low, new_high in matcher.get_opcodes():
+            found |= zip(new[kind][new_low:new_high], numbers[low:high], strict=False)
+    return found
+
+
+def _by_kind(blocks: Iterable[WrittenBlock]) -> list[Key]:
+    return sorted((block.key for block in blocks), key=lambda key: key[0])
 
 
 def _pairs(

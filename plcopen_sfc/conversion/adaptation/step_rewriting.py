@@ -233,6 +233,7 @@ class StepRewriter:
         self.has_stored = True
         self._logic[step.id] = logic
         self._uses.setdefault(step.id, []).extend([*self._checks.names(step.id), *uses])
+        self._name_main(step)
         if self._host.is_codesys:
             self._add_row(step, Qualifier.S, target=self._action(wish, body, self._uses[step.id]))
         else:
@@ -255,6 +256,7 @@ class StepRewriter:
     def set(self, step: Step, target: str) -> None:
         """Let a step, rewritten already, set an added variable."""
         self._uses.setdefault(step.id, []).extend([*self._checks.names(step.id), target])
+        self._name_main(step)
         self._add_row(step, Qualifier.S, target=target)
         self._mark(step)
 
@@ -319,17 +321,25 @@ class StepRewriter:
         """Give bodies in place a name: CODESYS executes actions of the POU."""
         for kind in ("entry", "main", "exit"):
             body = self._in_words(getattr(step, f"{kind}_action"))
-            # an initial step may get actions later that are executed in every scan, in the order of their names
-            if kind == "main" and not step.initial and stays_in_place(body, self._host):
+            if kind == "main" and stays_in_place(body, self._host):
                 step.main_action = body
-            elif isinstance(body, StBody | IlBody):
-                setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
-                self._note_action(Outcome.TRANSLATED, step, body, f"the {kind} action, an action of the POU")
+            else:
+                self._name_body(step, kind, body, uses)
         rows = [named for row in step.actions if (named := self._named_row(step, row, uses)) is not None]
         if self._host.keeps_bodies:  # behind the rows that become the exit action
             rows = [row for row in rows if not self._pulses_at_exit(step, row, uses)]
         if rows != step.actions:
             step.actions = rows
+
+    def _name_body(self, step: Step, kind: str, body: Body | str | None, uses: list[str]) -> None:
+        if isinstance(body, StBody | IlBody):
+            setattr(step, f"{kind}_action", self._action(f"{step.name}_{kind}", body, uses))
+            self._note_action(Outcome.TRANSLATED, step, body, f"the {kind} action, an action of the POU")
+
+    def _name_main(self, step: Step) -> None:
+        """Name the main action of a step that gets actions for every scan: they are executed in the order of names."""
+        if self._host.is_codesys:
+            self._name_body(step, "main", step.main_action, self._uses[step.id])
 
     def _in_words(self, body: Body | str | None) -> Body | str | None:
         """Return a body in place; a drawn one as structured text where that needs no more variables."""

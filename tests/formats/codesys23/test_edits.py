@@ -267,6 +267,30 @@ def test_an_edit_keeps_a_chart_of_another_tool_in_terms_of_codesys_2_3(name: str
     assert [step.name for step in again.steps] == [step.name for step in chart.steps]
 
 
+def test_another_target_changes_the_line_of_its_transition() -> None:
+    """The writer puts transitions before the step that they lead to, and its place in the text is another one then."""
+    steps = len(belt(sfc.load(BELT)).steps)
+    for number, _ in enumerate(belt(sfc.load(BELT)).transitions):
+        for target in range(steps):
+            project = sfc.load(BELT)
+            chart = belt(project)
+            transition = chart.transitions[number]
+            new = chart.steps[target].id
+            if transition.targets == [new]:
+                continue
+            transition.targets = [new]
+            removed, added = sorted(differences(BELT, project), reverse=True)
+            assert removed.startswith("-TRANSITION FROM")
+            assert added == f"+{removed[1:].partition(' TO ')[0]} TO {chart.steps[target].name}:="
+
+
+def test_an_excluded_step_changes_what_it_executes_and_nothing_else() -> None:
+    project = sfc.load(BELT)
+    belt(project).step("Zurueck").exclude = True
+    found = [line for line in differences(BELT, project) if "{plcopen_sfc " not in line and len(line) > 1]
+    assert found == ["-Wartezeit(IN := FALSE);", "-Band_Links := TRUE;", "-Platz1", "+FALSE"]
+
+
 def test_pragmas_before_a_body_and_lists_that_cannot_be_read_survive_an_edit() -> None:
     """An edit dropped both, and nothing told that."""
     text = "PROGRAM Main\nVAR\n\ta,b : BOOL; (* x *)\nEND_VAR\n(* @END_DECLARATION := '0' *)\n(* @OTHER := '1' *)\n"
