@@ -193,7 +193,6 @@ def _losses_of_file(project: Project, own: Format, data: bytes) -> list[Item]:
     """
     losses: list[Item] = []
     if own.charts is not None and own.charts.is_codesys:
-        from plcopen_sfc.conversion.adaptation.project_rewriting import report_keywords  # noqa: PLC0415
         from plcopen_sfc.documents.writer_preparation import note_limits  # noqa: PLC0415  # to write, and here
 
         limits = ConversionReport()
@@ -201,13 +200,12 @@ def _losses_of_file(project: Project, own: Format, data: bytes) -> list[Item]:
         if limits.items:  # loops are in the place of some of these charts in the file
             limits.items.clear()
             note_limits(loads(data, format=own.name, as_tool=True).charts(), own, limits)
-        report_keywords(project, own.charts, limits)
         losses += limits.with_outcome(Outcome.NOT_EXECUTED)
     if own.dialect is not None and own.dialect is project.dialect:
         from plcopen_sfc.documents.legal_names import illegal_names  # noqa: PLC0415  # brings the parser
 
         named = ConversionReport()
-        for path, why in illegal_names(project, own.dialect, own.tool):
+        for path, why in illegal_names(project, own):
             named.add(Outcome.NOT_EXECUTED, "name", path, why)
         losses += named.items
     if own.name == "simaticml":

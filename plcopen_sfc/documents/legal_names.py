@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.format_interface import Format
 from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import free_name, identifier
+from plcopen_sfc.languages.words import CODESYS23_KEYWORDS, CODESYS_KEYWORDS, free_name, identifier
 from plcopen_sfc.model.declaration import Declaration, Kind
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
@@ -24,36 +24,60 @@ _CUT = 120
 _UNSPELLED = (Kind.INSTANCE, Kind.NAMESPACE)
 
 
-def give_legal_names(
-    copy: Project, dialect: Dialect | None, tool: str, report: ConversionReport, *, with_letters: bool
-) -> None:
+def give_legal_names(copy: Project, kind: Format, report: ConversionReport, *, with_letters: bool) -> None:
     """Rename what a copy declares under names that the tool of a target cannot have, or give it its own names back.
 
     CODESYS and S7 have a variable for each step: none may be called as another variable. Names in TIA Portal have a
     longest length. CODESYS, CoDeSys 2.3 and TwinCAT take letters without accents, which `with_letters` asks for, and no
-    underscores behind each other (CODESYS V3 online help, "Identifiers"); a step in an export has them. The project
-    keeps the names of the source, and what it declares gets them in other tools again. Called before texts are
-    translated, which a new name needs, and behind that, which the old one does.
+    underscores behind each other (CODESYS V3 online help, "Identifiers"); a step in an export has them. Each has
+    keywords of its own. The project keeps the names of the source, and what it declares gets them in other tools again,
+    names that are keywords of CODESYS V3 alone in CoDeSys 2.3 too. Called before texts are translated, which a new name
+    needs, and behind that, which the old one does.
     """
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names  # noqa: PLC0415
+
+    own, target = family(copy.dialect), family(kind.dialect) if kind.dialect is not None else Dialect.IEC
+    alike = own is target is Dialect.CODESYS
+    if own is not Dialect.IEC and not alike:
+        return
+    is_later = kind.charts is not None and kind.charts.has_methods
+    kinds = (KeptNames.LATER,) if alike else (KeptNames.DECLARED, KeptNames.LATER)
+    kept = [row for each in kinds for row in kept_names(copy, each)]
+    if own is target and kept and not (alike and is_later):
+        old = {(path.casefold(), new): old for path, old, new in kept}
+        found = {each: old.get((each.path.casefold(), each.name)) for each in _declarations(copy)}
+        wanted = {each: (old, "as in the file that it was converted from") for each, old in found.items() if old}
+        _rename_each(copy, wanted, kind.tool, report, back=True)
+        for each in kinds:
+            keep_names(copy, each, ())
+    if target is not Dialect.IEC and (is_later or not alike):
+        declared, is_codesys = _declarations(copy), target is Dialect.CODESYS
+        keywords = _keywords(kind)
+        wanted = _legal(copy, declared, kind.tool, keywords, is_codesys=is_codesys, with_letters=with_letters)
+        if alike:
+            wanted = {each: new for each, new in wanted.items() if each.name.upper() in keywords}
+        done = _rename_each(copy, wanted, kind.tool, report, back=False)
+        paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
+        rows = [(paths[id(each.holder)], name, each.name) for each, name in done]
+        keep_names(copy, kinds[0], [*(kept if alike else ()), *rows])
+
+
+def _rename_each(
+    copy: Project,
+    wanted: Mapping[Declaration, tuple[str, str]],
+    tool: str,
+    report: ConversionReport,
+    *,
+    back: bool,
+) -> list[tuple[Declaration, str]]:
+    """Rename declarations together, or else one by one; those that were, with their old names.
+
+    `back`: to names of the source, which nothing needs.
+    """
     from plcopen_sfc.refactor.rename import rename_many, restore_names  # noqa: PLC0415
 
-    if family(copy.dialect) is not Dialect.IEC:
-        return
-    leaves = dialect is not None and family(dialect) is not Dialect.IEC
-    kept = [] if leaves else kept_names(copy, KeptNames.DECLARED)
-    if not leaves and not kept:
-        return
-    declared = _declarations(copy)
-    if leaves:
-        is_codesys = dialect is not None and family(dialect) is Dialect.CODESYS
-        wanted = _legal(copy, declared, tool, is_codesys=is_codesys, with_letters=with_letters)
-    else:
-        own = {(path.casefold(), new): old for path, old, new in kept}
-        found = {each: own.get((each.path.casefold(), each.name)) for each in declared}
-        wanted = {each: (old, "as in the file that it was converted from") for each, old in found.items() if old}
-    rename, refused = (rename_many, Outcome.NOT_EXECUTED) if leaves else (restore_names, Outcome.TRANSLATED)
+    rename, refused = (restore_names, Outcome.TRANSLATED) if back else (rename_many, Outcome.NOT_EXECUTED)
     places = _places(copy)
     done: list[tuple[Declaration, str]] = []
     for part in ([*wanted], *([each] for each in wanted)):
@@ -64,7 +88,7 @@ def give_legal_names(
             if len(part) == 1:
                 [(name, place)] = old
                 why = f"it keeps its name: {error.message}"
-                report.add(refused, "name", place, f"{tool} does not compile {name}; {why}" if leaves else why)
+                report.add(refused, "name", place, why if back else f"{tool} does not compile {name}; {why}")
             continue
         for each, result, (name, place) in zip(part, results, old, strict=True):
             done.append((each, name))
@@ -74,9 +98,7 @@ def give_legal_names(
                 report.add(Outcome.NOT_EXECUTED, "code", undecided.use.path, why)
         if len(part) == len(wanted):
             break
-    paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
-    rows = [(paths[id(each.holder)], name, each.name) for each, name in done if leaves]
-    keep_names(copy, KeptNames.DECLARED, rows)
+    return done
 
 
 def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Project, dict[str, str], ConversionReport]:
@@ -96,7 +118,7 @@ def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Proj
     tool = flavour.capitalize() or kind.tool
 
     def wishes(project: Project) -> dict[Declaration, tuple[str, str]]:
-        found = _legal(project, _declarations(project), tool, is_codesys=True, with_letters=True)
+        found = _legal(project, _declarations(project), tool, _keywords(kind), is_codesys=True, with_letters=True)
         return {each: new for each, new in found.items() if each.kind is not Kind.STEP}
 
     if not wishes(project):
@@ -111,12 +133,20 @@ def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Proj
     return copy, pous, report
 
 
-def illegal_names(project: Project, dialect: Dialect, tool: str) -> Iterator[tuple[str, str]]:
-    """Yield the paths of names that the tool of a dialect cannot have, each with the reason."""
-    places, is_codesys = _places(project), family(dialect) is Dialect.CODESYS
-    wanted = _legal(project, _declarations(project), tool, is_codesys=is_codesys, with_letters=True)
+def illegal_names(project: Project, kind: Format) -> Iterator[tuple[str, str]]:
+    """Yield the paths of names that the tool of a format cannot have, each with the reason."""
+    places, is_codesys = _places(project), kind.dialect is not None and family(kind.dialect) is Dialect.CODESYS
+    declared = _declarations(project)
+    wanted = _legal(project, declared, kind.tool, _keywords(kind), is_codesys=is_codesys, with_letters=True)
     for each, (_, why) in wanted.items():
-        yield places.get(id(each.holder), each.path), f"{tool} does not compile {each.name}: {why}"
+        yield places.get(id(each.holder), each.path), f"{kind.tool} does not compile {each.name}: {why}"
+
+
+def _keywords(kind: Format) -> Set[str]:
+    """Return the words that are no names in the tool of a format; those of SCL are names in quotes."""
+    if kind.charts is None or not kind.charts.is_codesys:
+        return frozenset()
+    return CODESYS_KEYWORDS if kind.charts.has_methods else CODESYS23_KEYWORDS
 
 
 def _declarations(project: Project) -> list[Declaration]:
@@ -128,13 +158,20 @@ def _declarations(project: Project) -> list[Declaration]:
 
 
 def _legal(
-    project: Project, declared: list[Declaration], tool: str, *, is_codesys: bool, with_letters: bool
+    project: Project,
+    declared: list[Declaration],
+    tool: str,
+    keywords: Set[str],
+    *,
+    is_codesys: bool,
+    with_letters: bool,
 ) -> dict[Declaration, tuple[str, str]]:
     """Return the names that things get, and why. `with_letters`: CODESYS gets other letters for those with accents."""
     clashing: set[int] = set()
     for chart in project.charts():
         variables = {each.name.casefold() for each in chart.pou.variables() if not is_system_data(each)}
         clashing |= {id(step) for step in chart.chart.steps if step.name.casefold() in variables}
+    words = {each.casefold() for each in keywords}
     taken: dict[int, set[str]] = {}
     for each in declared:
         taken.setdefault(id(each.pou), set()).add(each.name.casefold())
@@ -152,11 +189,14 @@ def _legal(
             wish, why = identifier(wish), f"{tool} takes letters without accents, digits and single underscores"
         if not is_codesys and len(wish) > _LONGEST:
             wish, why = wish[:_CUT], f"{tool} takes names of {_LONGEST} characters"
-        if wish != each.name:
-            others = set().union(*taken.values()) if each.pou is None else taken[id(each.pou)] | shared
-            new = free_name(wish, others - {each.name.casefold()})
-            taken[id(each.pou)].add(new.casefold())
-            found[each] = new, why
+        if wish.casefold() in words and each.kind not in _UNSPELLED:
+            why = f"{wish} is a keyword there"
+        elif wish == each.name:
+            continue
+        others = set().union(*taken.values()) if each.pou is None else taken[id(each.pou)] | shared
+        new = free_name(wish, (others - {each.name.casefold()}) | words)
+        taken[id(each.pou)].add(new.casefold())
+        found[each] = new, why
     return found
 
 

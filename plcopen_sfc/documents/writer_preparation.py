@@ -88,7 +88,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         take_task(copy, report)
     if kind.tool and not options.same:
         # letters of a GRAFCET follow rules of their own
-        give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=not of_grafcet)
+        give_legal_names(copy, kind, report, with_letters=not of_grafcet)
         _write_calls_as_statements(copy, kind, dialect, options, report)
         if not kind.extends:
             include_bases(copy, report)
@@ -107,7 +107,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _put_into_notation(copy, kind, report)
     _put_texts_into_words(copy, kind, options, report, dialect=dialect, addresses=addresses)
     if kind.tool and not options.same:
-        give_legal_names(copy, kind.dialect, kind.tool, report, with_letters=False)
+        give_legal_names(copy, kind, report, with_letters=False)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour:
         copy, profile = _fitted(project, copy, kind, profile=profile, options=options, report=report)

@@ -404,7 +404,7 @@ def _in_order_of(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) 
     """Return the blocks `after` in the places that the blocks `before` have, each kind in its order.
 
     A writer puts the transitions of a chart between its steps as it flows, which one new step or one other target can
-    change all along. Blocks without a place follow the one that they follow in `after`, as the order of their kind allows.
+    change all along. Blocks without a place follow the one before them in `after`, as the order of their kind allows.
     """
     place = _places_by_kind(before, after)
     bounds: dict[str, int] = {}  # by kind, the place of the next block that has one
@@ -422,7 +422,7 @@ def _in_order_of(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) 
 
 
 def _places_by_kind(before: Sequence[WrittenBlock], after: Sequence[WrittenBlock]) -> dict[Key, int]:
-    """Return the numbers in `before` of blocks `after`, by their keys: of those that stay, and of those in their stead."""
+    """Return the numbers in `before` of the blocks `after` that stay or replace one, by their keys."""
     old = grouped((block.key[0], (number, block.key)) for number, block in enumerate(before))
     new = grouped((block.key[0], block.key) for block in after)
     found: dict[Key, int] = {}

@@ -26,7 +26,7 @@ from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.st.nodes import Quoting
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import needs_quotes
+from plcopen_sfc.languages.words import is_plain, needs_quotes
 from plcopen_sfc.model.actions import STEP_ACTION_ENDINGS
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import GRAPH_INPUTS, GRAPH_OUTPUTS, SfcFlag
@@ -243,6 +243,8 @@ def rename_step(chart: SfcNetwork, old: str, new: str) -> RenameResult:
 def restore_names(project: Project, table: Wanted) -> list[RenameResult]:
     """Give declarations the names of their source; variables may be called as steps: IEC 61131-3 tells both apart.
 
+    What was read under a keyword of IEC 61131-3, such as ``Abstract``, gets it again.
+
     Raises `ModelError` where a text would mean something else then.
     """
     return _rename(Names(project), table, None, is_shared=True)
@@ -251,7 +253,7 @@ def restore_names(project: Project, table: Wanted) -> list[RenameResult]:
 def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: bool = False) -> list[RenameResult]:
     """Rename the keys of `table`, which are originals, or raise `ModelError` and change nothing.
 
-    `is_shared`: something beside them may have the new name.
+    `is_shared`: something beside them may have the new name, and a keyword may be one, as in the source that had it.
     """
     overrides = {each: [*names.resolver.scopes.overrides(each)] for each in table}
     whole = dict(table)
@@ -266,7 +268,7 @@ def _rename(names: Names, table: Wanted, journal: Journal | None, *, is_shared: 
                 overrides[declaration].append(action)
     wanted = {declaration: new for declaration, new in whole.items() if new != declaration.name}
     for declaration, new in wanted.items():
-        _check_name(names, declaration, new)
+        _check_name(names, declaration, new, is_of_source=is_shared)
     is_shown = family(names.dialect) is Dialect.CODESYS and any(each.kind is Kind.STEP for each in wanted)
     flags = {name.casefold() for name in SHOWING_FLAGS} if is_shown else set()
     flags -= {name.casefold() for each, new in wanted.items() for name in (each.name, new)}
@@ -349,14 +351,14 @@ def _with_overrides(own: RenameResult, others: Iterable[RenameResult]) -> Rename
     return own
 
 
-def _check_name(names: Names, declaration: Declaration, new: str) -> None:
+def _check_name(names: Names, declaration: Declaration, new: str, *, is_of_source: bool) -> None:
     """Raise `ModelError` where a declaration cannot have this name wherever it is."""
     if declaration.kind is Kind.NAMESPACE:
         raise ModelError(
             "applications, resources and configurations cannot be renamed", location=Location(path=declaration.path)
         )
     problem = names.objection_to(declaration, new)
-    if problem:
+    if problem and not (is_of_source and is_plain(new)):
         raise ModelError(f"{new!r} cannot be a name: {problem}", location=Location(path=str(declaration)))
     if declaration.kind in (Kind.VARIABLE, Kind.STEP):
         _refuse(declaration, new, _known_to_charts(declaration, (declaration.name, new), names.project.dialect))

@@ -148,13 +148,6 @@ def _in_other_order(rig: FeatureChart) -> None:
     body.networks = [m.LogicNetwork(nodes=nodes[::-1])]
 
 
-_KEYWORD = """\
-PROGRAM Main
-VAR
-    JMP : INT;
-END_VAR
-END_PROGRAM
-"""
 _OPERANDS = """\
 FUNCTION_BLOCK Main
 VAR_INPUT
@@ -196,18 +189,17 @@ EXAMPLES = (
     RuleExample(RULES[3].of, _chart(_declares("hold", "S5TIME", "S5T#1s5ms"), "simaticml"), "codesys"),
     RuleExample(RULES[4].of, _chart(_declares("when", "DTL"), "simaticml"), "plcopen-2.01", "DTL"),
     RuleExample(RULES[5].of, _chart(_edge_contact, "simaticml"), "plcopen-2.01"),
-    RuleExample(RULES[6].of, _text(_KEYWORD, "iec-text"), "codesys", "JMP"),
-    RuleExample(RULES[7].of, _chart(_declares("SFCReset", "BOOL"), "plcopen"), "codesys", "SFCReset"),
-    RuleExample(RULES[8].of, _chart(_shared_variable, "plcopen"), "codesys", "ACTION"),
-    RuleExample(RULES[9].of, _chart(_globals, "codesys"), "plcopen-2.01"),
-    RuleExample(RULES[10].of, _feature("event S1"), "codesys"),
-    RuleExample(RULES[11].of, _text(_OPERANDS, "scl"), "codesys"),
-    RuleExample(RULES[12].of, _text(_TASK, "iec-text"), "codesys23"),
-    RuleExample(RULES[13].of, _feature("address"), "codesys"),
-    RuleExample(RULES[14].of, _chart(_declares("flash", "BLINK"), "codesys"), "plcopen-2.01", "BLINK"),
-    RuleExample(RULES[15].of, _void, "codesys"),
-    RuleExample(RULES[16].of, _chart(_system_data, "simaticml"), "codesys"),
-    RuleExample(RULES[17].of, _feature("retained member"), "plcopen-2.01"),
+    RuleExample(RULES[6].of, _chart(_declares("SFCReset", "BOOL"), "plcopen"), "codesys", "SFCReset"),
+    RuleExample(RULES[7].of, _chart(_shared_variable, "plcopen"), "codesys", "ACTION"),
+    RuleExample(RULES[8].of, _chart(_globals, "codesys"), "plcopen-2.01"),
+    RuleExample(RULES[9].of, _feature("event S1"), "codesys"),
+    RuleExample(RULES[10].of, _text(_OPERANDS, "scl"), "codesys"),
+    RuleExample(RULES[11].of, _text(_TASK, "iec-text"), "codesys23"),
+    RuleExample(RULES[12].of, _feature("address"), "codesys"),
+    RuleExample(RULES[13].of, _chart(_declares("flash", "BLINK"), "codesys"), "plcopen-2.01", "BLINK"),
+    RuleExample(RULES[14].of, _void, "codesys"),
+    RuleExample(RULES[15].of, _chart(_system_data, "simaticml"), "codesys"),
+    RuleExample(RULES[16].of, _feature("retained member"), "plcopen-2.01"),
     RuleExample(CHART_RULES[0].of, _feature("supervision"), "codesys"),
     RuleExample(CHART_RULES[1].of, _feature("interlock with N"), "codesys"),
     RuleExample(CHART_RULES[2].of, _feature("INIT_SQ"), "codesys"),

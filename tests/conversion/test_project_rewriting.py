@@ -534,25 +534,40 @@ def test_members_that_tia_portal_retains_come_back(target: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("target", "words"), [("codesys", {"Abstract", "This", "Property"}), ("codesys23", {"This"})], ids=["V3", "2.3"]
+    ("target", "words"),
+    [("codesys", {"Abstract", "This", "Property", "JMP"}), ("codesys23", {"This", "JMP"})],
+    ids=["V3", "2.3"],
 )
-def test_keywords_of_the_target_are_no_names_there(target: str, words: set[str]) -> None:
+def test_keywords_of_the_target_are_other_names_there_and_come_back(target: str, words: set[str]) -> None:
     """TwinCAT and CODESYS V3 are object-oriented; no file of theirs declares such a name."""
     text = """PROGRAM Main
-VAR Abstract : BOOL; This : BOOL; Step : INT; END_VAR
-INITIAL_STEP Property: END_STEP
+VAR Abstract : BOOL; This : BOOL; Step, JMP : INT; END_VAR
+INITIAL_STEP Property: count(N); END_STEP
 TRANSITION FROM Property TO Run := Abstract AND This; END_TRANSITION
 STEP Run: END_STEP
 TRANSITION FROM Run TO Property := TRUE; END_TRANSITION
+ACTION count: JMP := JMP + 1; END_ACTION
 END_PROGRAM
 """
-    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
-    lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
-    assert {item.path.split(" ")[-1] for item in lost} == words
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target)
+    told = {item.why for item in report.items if item.what == "name"}
+    tool = {"codesys": "CODESYS", "codesys23": "CoDeSys 2.3"}[target]
+    assert told == {f"{word}_2 in {tool}: {word} is a keyword there" for word in words}
+    written = sfc.loads(data, format=target)
+    pou = written.pou("Main")
+    assert pou.chart is not None
+    declared = {*(v.name for v in pou.variables()), *(step.name for step in pou.chart.steps)}
+    assert {f"{word}_2" for word in words} <= declared
+    assert not declared & words
+    back, report = sfc.convert(written, "plcopen")
+    assert not report.losses
+    again = sfc.loads(back).pou("Main")
+    assert {"Abstract", "This", "Step", "JMP"} == {v.name for v in again.variables()}
+    assert "JMP := JMP + 1" in again.actions[0].body.text  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("target", ["codesys", "twincat", "codesys-export"])
-def test_names_of_codesys23_may_be_keywords_of_its_successor(target: str) -> None:
+def test_names_of_codesys23_may_be_keywords_of_its_successor(target: str, tmp_path: Path) -> None:
     text = """(* @NESTEDCOMMENTS := 'Yes' *)
 FUNCTION_BLOCK Main
 VAR LInt, Super, Method, Other : INT; END_VAR
@@ -560,9 +575,15 @@ VAR LInt, Super, Method, Other : INT; END_VAR
 LInt := Super + Method + Other;
 END_FUNCTION_BLOCK
 """
-    _, report = sfc.convert(sfc.loads(text.encode(), format="codesys23"), target, partial=True)
-    lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
-    assert {item.path.split(" ")[-1] for item in lost} == {"LInt", "Super", "Method"}
+    path = tmp_path if target == "twincat" else tmp_path / "out.xml"
+    report = sfc.save(sfc.loads(text.encode(), format="codesys23"), path, format=target)
+    assert {item.path.split(" ")[-1] for item in report.items if item.what == "name"} == {"LInt", "Super", "Method"}
+    written = sfc.load(path)
+    assert [each.name for each in written.pou("Main").variables()] == ["LInt_2", "Super_2", "Method_2", "Other"]
+    assert "LInt_2 := Super_2 + Method_2 + Other" in written.pou("Main").body.text  # type: ignore[union-attr]
+    if target == "codesys":
+        again = sfc.loads(sfc.dumps(written, format="codesys23")).pou("Main")
+        assert [each.name for each in again.variables()] == ["LInt", "Super", "Method", "Other"]
 
 
 @pytest.mark.parametrize("target", ["codesys", "codesys23", "twincat"])
@@ -573,9 +594,10 @@ INITIAL_STEP Move: Action(N); END_STEP TRANSITION FROM Move TO Limits := max > 3
 STEP Limits: END_STEP TRANSITION FROM Limits TO Move := TRUE; END_TRANSITION
 ACTION Action: max := max + 1; END_ACTION END_PROGRAM
 """
-    _, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target, partial=True)
-    lost = [item for item in report.with_outcome(Outcome.NOT_EXECUTED) if "is a keyword" in item.why]
-    assert {item.path.split(" ")[-1] for item in lost} == {"max", "Move", "Action"}
+    data, report = sfc.convert(sfc.loads(text.encode(), format="iec-text"), target)
+    renamed = [item for item in report.items if item.what == "name"]
+    assert {item.path.split(" ")[-1] for item in renamed} == {"max", "Move", "Action"}
+    assert b"max_2 := max_2 + 1" in data
 
 
 def test_what_only_codesys_compiles_is_told_in_files_of_tc6() -> None:

@@ -43,14 +43,12 @@ from plcopen_sfc.languages.s7_globals import by_retention
 from plcopen_sfc.languages.s7_programs import is_void
 from plcopen_sfc.languages.s7_types import is_system_data
 from plcopen_sfc.languages.syntax_problems import embedded_code
-from plcopen_sfc.languages.words import CODESYS23_KEYWORDS, CODESYS_KEYWORDS
 from plcopen_sfc.model.body import FbdBody, LdBody
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.network import Block, Coil, Node, OutputVariable
 from plcopen_sfc.model.pou import Pou
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.sfc import BodyCondition
-from plcopen_sfc.model.types import StructType
 from plcopen_sfc.model.variables import Interface, VariableSection, sections_of
 from plcopen_sfc.report import ConversionReport, Outcome
 
@@ -216,13 +214,6 @@ RULES = (
         lambda this: _report_memories(this.project, this.host, this.report),
     ),
     AdaptationRule(
-        "a name that is a keyword of the target",
-        "CODESYS, TwinCAT, CoDeSys 2.3",
-        "not executed: it does not compile",
-        lambda this: this.host.is_codesys and not this.options.same,
-        lambda this: report_keywords(this.project, this.host, this.report),
-    ),
-    AdaptationRule(
         "a variable that has the name of an SFC flag and is none",
         "CODESYS, TwinCAT, CoDeSys 2.3",
         "approximated: it controls the chart there",
@@ -332,34 +323,6 @@ def _partly_retained(project: Project) -> Iterator[Interface]:
         if any([*by_retention(section)] != [section] for section in sections_of(pou.interface)):
             assert pou.interface is not None  # noqa: S101  # it has sections
             yield pou.interface
-
-
-def report_keywords(project: Project, host: ChartHost, report: ConversionReport) -> None:
-    """Report names that the target reads as something else."""
-    keywords = CODESYS_KEYWORDS if host.has_methods else CODESYS23_KEYWORDS
-    for path, what, name in _declared_names(project):
-        if name.upper() in keywords:
-            why = f"`{name}` is a keyword in {host.title}, which does not compile it: rename it first"
-            report.add(Outcome.NOT_EXECUTED, what, path, why)
-
-
-def _declared_names(project: Project) -> Iterator[tuple[str, str, str]]:
-    """Yield the path, the kind and the name of each declaration, step and named transition."""
-    for thing in project.objects():
-        yield thing.report_path, thing.kind_in_reports, thing.name
-    for pou in project.pous:
-        yield from ((f"{pou.report_path} / {each.name}", "variable", each.name) for each in pou.variables())
-        parts = (("action", pou.actions), ("method", pou.methods), ("named transition", pou.transitions))
-        for what, named in parts:
-            yield from ((f"{pou.report_path} / {what} {each.name}", what, each.name) for each in named)
-    for declaration in project.data_types:
-        members = declaration.type.members if isinstance(declaration.type, StructType) else []
-        yield from ((f"{declaration.report_path} / {each.name}", "member", each.name) for each in members)
-    for section in project.global_sections():
-        yield from ((f"global variable {each.name}", "global variable", each.name) for each in section.variables)
-    for chart in project.charts():
-        steps = chart.chart.steps
-        yield from ((f"{chart.report_path} / step {step.name}", "step", step.name) for step in steps)
 
 
 def _report_flags(project: Project, report: ConversionReport) -> None:

@@ -18,6 +18,7 @@ from plcopen_sfc.languages.networks.box_trees import is_box_tree
 from plcopen_sfc.languages.networks.exported_networks import EXPORTS
 from plcopen_sfc.languages.st import Parsed, parse_body, parse_condition, render, transform
 from plcopen_sfc.languages.st.nodes import Node
+from plcopen_sfc.languages.translation.renames import NAMES_DATA
 from plcopen_sfc.model import body as b
 from plcopen_sfc.model import network as n
 from plcopen_sfc.model import sfc as s
@@ -395,6 +396,8 @@ def _add_named(holder: Any, key: str | int, how: tuple[SiteKind, Role], where: _
             return  # the pins of all other elements have no names that something declares
     elif isinstance(holder, ForeignData) and isinstance(owner, VariableSection) and holder.name.endswith(_PARTS):
         reading = SiteKind.REPEATED
+    elif isinstance(holder, ForeignData) and holder.name == NAMES_DATA:
+        return  # what a conversion has renamed, of which nothing is executed
     elif isinstance(holder, ForeignData) and holder.name == KEPT_DATA:
         reading = SiteKind.KEPT
     elif isinstance(holder, ForeignData) and (unwrapped(holder.content) or ("",))[0] == "property":

@@ -118,12 +118,14 @@ class KeptNames(StrEnum):
     """Names of a source that a project keeps, each a row of three texts.
 
     TRANSLATED: the `Renames` of texts from SCL: scope, old and new name. DECLARED: declarations that got names which
-    the tool can have: path, old and new name. PROGRAMS: programs of CODESYS, the blocks in their place, and the callers
-    of these. METHODS: functions, the blocks whose methods they were, and these methods.
+    the tool can have: path, old and new name. LATER: those in exports of CoDeSys 2.3 that are keywords of CODESYS V3,
+    in the same way. PROGRAMS: programs of CODESYS, the blocks in their place, and the callers of these. METHODS:
+    functions, the blocks whose methods they were, and these methods.
     """
 
     TRANSLATED = "translated"
     DECLARED = "declared"
+    LATER = "later"
     PROGRAMS = "programs"
     METHODS = "methods"
 

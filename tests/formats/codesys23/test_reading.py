@@ -487,8 +487,9 @@ WHILE @ > 8 DO @ := 3; END_WHILE"""
     project = chart(body.replace("@", word), declared)
     assert not found(project)
     assert [*sfc.simulate(project, pou="Main", scans=1, record=["zz"])["zz"]] == [7]
-    _, report = sfc.convert(project, "codesys", partial=True)
-    assert any(f"`{word}` is a keyword in CODESYS" in each.why for each in report.losses)
+    written, report = sfc.convert(project, "codesys")
+    assert any(f"{word} is a keyword there" in each.why for each in report.items)
+    assert [each.name for each in sfc.loads(written).pou("Main").variables()][2] == f"{word}_2"
     assert [each.name for each in sfc.loads(sfc.convert(project, "iec-text")[0]).pou("Main").variables()][2] == word
     project.rename(f"Main.{word}", "Other")
     assert word not in re.findall(r"\w+", sfc.dumps(project).decode())
