@@ -317,7 +317,7 @@ _READERS = {STEP: ChartReader._step, TRANSITION: ChartReader._transition, JUMP: 
 def read_settings(ctx: Tc6ReadContext, settings: etree._Element) -> Fields | None:
     """Return the fields of the SFC settings in an ``SFCProperty``; None where it is none."""
     if type_of(settings) != "SFCProperty":
-        ctx.report("TWC102", Severity.WARNING, "properties of an object that are not understood", settings)
+        ctx.error("TWC102", "properties of a chart that are not understood: the tool may execute them", settings)
         return None
     lacking = [name for name in (*LIBRARY.values(), *SWITCHES.values()) if text_of(member(settings, name)) is None]
     lacking += ["Flags"] if member(settings, "Flags") is None else []

@@ -259,6 +259,9 @@ class _Reader:
             found = archived(settings) if settings is not None else None
             if properties is not None and found is None:
                 self._ctx.error("TWC102", "the properties of a chart are no archive with an object", properties)
+            for other in properties if properties is not None else ():
+                if isinstance(other.tag, str) and other is not settings:
+                    self._ctx.error("TWC102", f"{other.tag} in the properties of a chart is not understood", other)
             if len(archive.findall("Data/o")) > 1:
                 self._ctx.error("TWC102", "a second object in the archive of a chart, which is not read", archive)
             stated = read_settings(self._ctx, found) if found is not None else None

@@ -124,7 +124,7 @@ def declaration_of(declared: Project, source: str | None) -> str:
         end = next(i for i, line in enumerate(lines) if line.split()[:1] == ["END_METHOD"])
         margin = len(lines[start]) - len(lines[start].lstrip())
         return "\n".join(line[margin:] for line in lines[start:end]) + "\n"
-    return _OWN_END.sub("\n", text)
+    return _OWN_END.sub("", text).rstrip() + "\n"  # of a type what its text lacks leaves empty lines at the end
 
 
 _OWN_END = re.compile(r"\s*\n\s*END_(?:PROGRAM|FUNCTION_BLOCK|FUNCTION)\s*\Z")

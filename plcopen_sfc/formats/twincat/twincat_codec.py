@@ -42,6 +42,11 @@ from plcopen_sfc.report import ConversionReport, Outcome
 from plcopen_sfc.whole_numbers import whole_number
 
 TASK = "Task"
+_GENERATED = ("TaskFBGuid", "Fb_init", "Fb_exit", "CycleUpdate", "PostCycleUpdate")
+"""Identities that TwinCAT gives a task for code of its own, which it makes again."""
+_PARTS_OF_TASK = frozenset({"CycleTime", "Priority", "PouCall", "ObjectProperties", *_GENERATED})
+_PARTS_OF_CALL = frozenset({"Name", "Comment"})
+_REPEATED = frozenset({"PouCall", "Name"})
 _APPLICATION = "PLC"
 _MICROSECOND = 1000
 _USUAL_CYCLE = 10_000_000
@@ -59,6 +64,12 @@ def read_task(ctx: Tc6ReadContext, element: etree._Element) -> Project:
         text = (element.findtext(name) or "").strip()
         if whole_number(text) is None:
             ctx.error("TWC110", f"{name} of the task is {text or 'missing'}, and no whole number", element)
+    for part in (*element, *(each for call in element.iterfind("PouCall") for each in call)):
+        holder = part.getparent()
+        known = _PARTS_OF_TASK if holder is element else _PARTS_OF_CALL
+        is_first = part.tag in _REPEATED or (holder is not None and holder.find(part.tag) is part)
+        if isinstance(part.tag, str) and not (part.tag in known and is_first):
+            ctx.error("TWC110", f"{part.tag} of the task is not understood: TwinCAT may execute it otherwise", part)
     for thing in (element, *element.iterfind("PouCall")):
         names = [thing.get("Name", "")] if thing is element else [each.text or "" for each in thing.iterfind("Name")]
         if len(names) != 1 or not names[0].strip():

@@ -472,6 +472,18 @@ DAMAGED = {
         "TWC102",
         "a second object in the archive",
     ),
+    "settings of another type": (
+        b't="SFCProperty"',
+        b't="FlagProperty"',
+        "TWC102",
+        "properties of a chart that are not understood",
+    ),
+    "something beside the settings": (
+        b"</ObjectProperties>",
+        b"<Runs>false</Runs></ObjectProperties>",
+        "TWC102",
+        "Runs in the properties of a chart is not understood",
+    ),
     "no qualifier": (b'"D T#3s"', b'"Q T#3s"', "TWC102", "Q is no qualifier"),
     "a jump to nowhere": (b'"Grundstellung"</v>', b'"Nirgends"</v>', "SFC103", "Grundstellung"),
 }
@@ -584,10 +596,13 @@ def test_parts_that_are_there_twice_or_have_no_name_are_errors(old: bytes, new: 
         (b"<Name>PLC_PRG</Name>", b"", "a PouCall has no name"),
         (b"<Name>PLC_PRG</Name>", b"<Name>PLC_PRG</Name><Name>PLC_PRG</Name>", "a PouCall has several names"),
         (b'Name="MainTask"', b"", "a Task has no name"),
+        (b"<Priority>", b"<Disabled>true</Disabled><Priority>", "Disabled of the task is not understood"),
+        (b"<Priority>", b"<Priority>1</Priority><Priority>", "Priority of the task is not understood"),
+        (b"<PouCall>", b"<PouCall><Exclude>true</Exclude>", "Exclude of the task is not understood"),
     ],
 )
-def test_what_a_task_lacks_is_an_error(old: bytes, new: bytes, words: str) -> None:
-    """It had no interval then, the highest priority or no program, without a word."""
+def test_what_a_task_lacks_or_has_beside_is_an_error(old: bytes, new: bytes, words: str) -> None:
+    """It had no interval then, the highest priority or no program, or another element, without a word."""
     data = (BELT / "MainTask.TcTTO").read_bytes()
     assert old in data
     project = sfc.loads(data.replace(old, new))
@@ -898,7 +913,8 @@ def test_words_that_stand_between_declarations_are_names(word: str, tmp_path: Pa
     project = sfc.loads(text.encode(), format="iec-text")
     sfc.save(project, tmp_path, format="twincat", strict=True)
     kept = sfc.load(tmp_path, as_tool=True)
-    assert [value.name for value in kept.data_types[0].type.values] == ["Off", word]
+    there = "Extends_2" if word == "Extends" else word  # a keyword of CODESYS V3
+    assert [value.name for value in kept.data_types[0].type.values] == ["Off", there]
     assert word.encode() in sfc.dumps(project, format="codesys23", strict=True)
 
 
