@@ -9,7 +9,7 @@ declarations.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from difflib import SequenceMatcher
 from typing import Any, TypeAlias
@@ -25,8 +25,10 @@ from plcopen_sfc.languages.declarations.declaration_writing import (
     section_rest,
 )
 from plcopen_sfc.languages.declarations.kept_texts import kept
+from plcopen_sfc.languages.st.declaration_nodes import TypeDeclaration
 from plcopen_sfc.languages.st.lexer import CommentKind
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
+from plcopen_sfc.model import types as t
 from plcopen_sfc.model.dialect import Dialect
 from plcopen_sfc.model.project import Project
 from plcopen_sfc.model.variables import VariableSection
@@ -85,11 +87,57 @@ def section_places(text: str, declared: Declared, start: int, dialect: Dialect) 
                 BlockSpan((("end", ""),), (closing, start + high)),
             ]
             if section_closing(found.thing, ""):
-                last = max([end_of_head - start, *(part.span[1] for part in found.parts if part.thing is not None)])
-                braces = (each.span for each in declared.parsed.comments if each.kind is CommentKind.PRAGMA)
-                behind = [span for span in braces if last <= span[0] and span[1] <= closing - start]
-                slices.insert(-1, BlockSpan((("closing", ""),), (start + behind[0][0], start + behind[-1][1])))
+                slices.insert(-1, _closing_place(declared, found, start, (end_of_head, closing)))
             yield ("section", word), (start + low, start + high), tuple(slices)
+
+
+def _closing_place(declared: Declared, found: Found, start: int, inside: tuple[int, int]) -> BlockSpan:
+    """Return the place of the pragmas behind the last variable of what is `inside` a section or a structure."""
+    last = max([inside[0] - start, *(part.span[1] for part in found.parts if part.thing is not None)])
+    braces = (each.span for each in declared.parsed.comments if each.kind is CommentKind.PRAGMA)
+    behind = [span for span in braces if last <= span[0] and span[1] <= inside[1] - start]
+    return BlockSpan((("closing", ""),), (start + behind[0][0], start + behind[-1][1]))
+
+
+def type_blocks(
+    text: str, declaration: t.DataTypeDeclaration, written: Callable[[t.Variable], str]
+) -> Iterator[WrittenBlock]:
+    """Yield the blocks of a type that is written as `text`, if it is a structure: each member is one of them.
+
+    `written` returns the declaration of a member as it is in that text.
+    """
+    type_ = declaration.type
+    texts = [written(each) for each in type_.members] if isinstance(type_, t.StructType) else []
+    head, _, end = text.partition("\n" + "\n".join(texts) + "\n")
+    if not (isinstance(type_, t.StructType) and texts and end):
+        return
+    yield WrittenBlock(("head", ""), head)
+    keys = numbered([("variable", each.name) for each in type_.members])
+    yield from (WrittenBlock(key, one) for key, one in zip(keys, texts, strict=True))
+    margin = texts[0][: len(texts[0]) - len(texts[0].lstrip())]
+    closing = "\n".join(section_closing(type_, margin))
+    if closing and end.startswith(f"{closing}\n"):
+        yield WrittenBlock(("closing", ""), closing)
+        end = end.removeprefix(f"{closing}\n")
+    yield WrittenBlock(("end", ""), end)
+
+
+def type_places(text: str, declared: Declared, start: int) -> tuple[BlockSpan, ...]:
+    """Return the places of the head, the members and the end of a structure, which is all that is `declared`.
+
+    The declarations begin at `start` in `text`.
+    """
+    found, *others = [part for item in declared.items for part in item.parts if isinstance(part.node, TypeDeclaration)]
+    type_ = found.thing.type
+    if others or not found.parts or not isinstance(type_, t.StructType) or not isinstance(found.node, TypeDeclaration):
+        return ()
+    low, high = _span(found.node.type)
+    end_of_head = _words_end(text, start + low, 1)
+    closing = start + high - _closing_length(text, start + high)
+    places = [BlockSpan((("head", ""),), (start, end_of_head)), *_variables(found, start)]
+    if section_closing(type_, ""):
+        places.append(_closing_place(declared, found, start, (end_of_head, closing)))
+    return (*places, BlockSpan((("end", ""),), (closing, start + found.span[1])))
 
 
 def plain_lines(text: str) -> str:
@@ -108,7 +156,7 @@ def _words_end(text: str, start: int, count: int) -> int:
 
 
 def _closing_length(text: str, end: int) -> int:
-    return next((len(w) for w in ("END_VAR", "END_STRUCT") if text[end - len(w) : end].upper() == w), 0)
+    return next((len(w) for w in ("END_VAR", "END_STRUCT", "END_UNION") if text[end - len(w) : end].upper() == w), 0)
 
 
 def _span(node: Any) -> tuple[int, int]:

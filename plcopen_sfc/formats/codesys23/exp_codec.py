@@ -43,8 +43,9 @@ from plcopen_sfc.formats.text_patch import (
     WrittenBlock,
     numbered_blocks,
     section_block,
+    type_blocks,
 )
-from plcopen_sfc.languages.declarations import write_type, write_value
+from plcopen_sfc.languages.declarations import write_type, write_value, write_variable
 from plcopen_sfc.languages.declarations.attributes import pragma_attributes
 from plcopen_sfc.languages.declarations.conditional_declarations import without_conditions
 from plcopen_sfc.languages.declarations.declaration_comments import LINE_END
@@ -286,10 +287,18 @@ def _data_type(declaration: t.DataTypeDeclaration) -> WrittenBlock:
     lines += [f"TYPE {declaration.name} :", type_] if is_struct else [f"TYPE {declaration.name} : {type_}"]
     value = _bare_lists(f" := {initial};") if initial else "" if is_struct else ";"
     text = _tabs("\n".join(lines)) + value
-    blocks = [*_header(texts), WrittenBlock(("type", ""), f"{text}\nEND_TYPE")]
+    text = f"{text}\nEND_TYPE"
+    inner = tuple(type_blocks(text, declaration, _member))
+    blocks = [*_header(texts), WrittenBlock(("type", ""), "" if inner else text, inner)]
     if "undivided" not in texts:
         blocks.append(WrittenBlock(("divider", ""), DIVIDER))
     return WrittenBlock(("type", declaration.name), blocks=tuple(blocks), apart=True)
+
+
+def _member(member: t.Variable) -> str:
+    return _tabs(
+        _bare_lists(with_block_comments(_without_attributes(write_variable(member, _DIALECT, " " * 4)), _DIALECT))
+    )
 
 
 def _global_lists(project: Project, report: ConversionReport) -> Iterator[WrittenBlock]:

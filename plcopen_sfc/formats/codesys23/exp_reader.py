@@ -40,6 +40,7 @@ from plcopen_sfc.formats.text_patch import (
     head_places,
     plain_lines,
     section_places,
+    type_places,
 )
 from plcopen_sfc.languages.declarations import Declared, Head, read_declarations, read_interface
 from plcopen_sfc.languages.declarations.declaration_comments import comment_text
@@ -273,7 +274,8 @@ class _Reader:
         first, *others = declared.types  # CoDeSys has one type in an object
         first.extension_data = keep(kept(first.extension_data) | self._header(one))
         self.project.data_types += [first, *others]
-        places = [*self._header_places(one), (("type", ""), one.declared, ())]
+        inner = type_places(self.text, declared, one.declared[0])
+        places = [*self._header_places(one), (("type", ""), one.declared, inner)]
         if one.divider is not None:
             places.append((("divider", ""), one.divider, ()))
         key = ("type", first.name)

@@ -20,7 +20,7 @@ from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered, section_places
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered, section_places, type_places
 from plcopen_sfc.languages.declarations import (
     read_declarations,
     write_data_type,
@@ -405,8 +405,13 @@ def _matched(
 
 
 def _variables_at(src: TextSource, place: tuple[int, int]) -> tuple[BlockSpan, ...]:
-    """Return the places of the head, the variables and the end of a section; nothing where several are there."""
+    """Return the places of the head, the variables and the end of a section, or of a type that is a structure.
+
+    Nothing where several are there.
+    """
     declared = read_declarations(src.text[slice(*place)], src.outline.dialect)
+    if declared.types:
+        return type_places(src.text, declared, place[0])
     found = list(section_places(src.text, declared, place[0], src.outline.dialect))
     return found[0][2] if len(found) == 1 else ()
 

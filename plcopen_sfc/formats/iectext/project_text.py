@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from pydantic import ValidationError
 
@@ -34,8 +35,8 @@ from plcopen_sfc.formats.iectext.text_source import (
     kept_texts,
 )
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
-from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks, plain_lines
-from plcopen_sfc.languages.declarations import write_listing
+from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks, plain_lines, type_blocks
+from plcopen_sfc.languages.declarations import write_listing, write_variable
 from plcopen_sfc.languages.declarations.kept_texts import texts_from, unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields
 from plcopen_sfc.languages.st.lexer import Token, tokenize
@@ -483,7 +484,9 @@ def write_project(project: Project, _options: WriteOptions, report: ConversionRe
     names = Counter(one.name.casefold() for one in project.data_types)
     for declaration in project.data_types:
         text = _type(printer, declaration, late, unique=names[declaration.name.casefold()] == 1)
-        pieces.append(WrittenBlock(("type", declaration.name), text, apart=True))
+        member = partial(write_variable, dialect=printer.dialect, indent=" " * 8)
+        blocks = tuple(type_blocks(text, declaration, member))
+        pieces.append(WrittenBlock(("type", declaration.name), "" if blocks else text, blocks, apart=True))
     pieces += [write_global_section(printer, section, "") for section in project.global_variables]
     pieces += [write_pou(printer, pou) for pou in project.pous]
     for configuration in project.configurations:

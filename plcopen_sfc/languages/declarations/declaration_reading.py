@@ -232,7 +232,7 @@ class Found:
     """A part of a text, at `span`: `thing` is of the model, a `Head`, or None for an end or a text that does not parse.
 
     The comments of a variable, type or section are in its span. The names of one declaration (``a, b : INT``) are parts
-    with the same span.
+    with the same span. Parts of a type are the members of its structure.
     """
 
     thing: Any
@@ -288,6 +288,7 @@ class _Reader:
         self._tree = parsed.tree
         self._scl = parsed.dialect is Dialect.SCL
         self._comments = Comments(parsed.text, parsed.comments)
+        self._members_of: dict[int, tuple[Found, ...]] = {}  # the members of structures, by the `id()` of these
 
     def items(self) -> Iterator[Found]:
         starts = [_span(node)[0] for node in self._tree.items]
@@ -455,7 +456,8 @@ class _Reader:
             comment=comment_text(around),
             extension_data=keep(texts),
         )
-        yield Found(declaration, node, _with_comments(_span(node), around))
+        members = self._members_of.get(id(node.type), ())
+        yield Found(declaration, node, _with_comments(_span(node), around), members)
 
     def _type(self, node: d.TypeNode) -> t.DataType:
         match node:
@@ -487,7 +489,7 @@ class _Reader:
         return t.Dimension(lower=self._slice(node.lower), upper=self._slice(node.upper))
 
     def _struct(self, node: d.StructTypeNode) -> t.StructType:
-        parts = tuple(self._members(node.members, self._variable))
+        parts = self._members_of[id(node)] = tuple(self._members(node.members, self._variable))
         members = [part.thing for part in parts if part.thing is not None]
         rest = self._comments.take(0, _span(node)[1])
         texts = ({"union": ""} if node.union else {}) | _unreadable(parts) | self._closing(rest)

@@ -212,8 +212,8 @@ def section_head(section: VariableSection, dialect: Dialect) -> list[str]:
     return [*_comment(section.comment, dialect), *_pragmas(texts, dialect), " ".join(words)]
 
 
-def section_closing(section: VariableSection, indent: str) -> list[str]:
-    """Return the lines of the pragmas behind the last variable of a section."""
+def section_closing(section: VariableSection | t.StructType, indent: str) -> list[str]:
+    """Return the lines of the pragmas behind the last variable of a section or a structure."""
     return _closing(kept(section.extension_data), indent)
 
 
