@@ -480,13 +480,14 @@ _SIGNATURES = (
     (b"\x7fELF", "a Linux program", ""),
 )
 _EXPORT = "Export the project or object as XML from the tool that wrote it."
+_AGAIN = "Export the project or object again from the tool that wrote it."
 _LEADING = (b"\xef\xbb\xbf", b"\xff\xfe\0\0", b"\0\0\xfe\xff", b"\xff\xfe", b"\xfe\xff")
 
 
 def not_xml(data: bytes) -> XmlProblem | None:
     """Return the problem of bytes that are clearly no XML; None if they may be."""
     if not data:
-        return XmlProblem("the file is empty", _EXPORT)
+        return XmlProblem("the file is empty", _AGAIN)
     head = data[:4096]
     for mark in _LEADING:
         head = head.removeprefix(mark)
@@ -496,7 +497,7 @@ def not_xml(data: bytes) -> XmlProblem | None:
     if not start:
         # Only the head may be blank; the parser looks at the rest.
         blank = not data.strip(b" \t\r\n\0\xef\xbb\xbf\xff\xfe")
-        return XmlProblem("the file holds nothing but blanks", _EXPORT) if blank else None
+        return XmlProblem("the file holds nothing but blanks", _AGAIN) if blank else None
     for signature, name, hint in _SIGNATURES:
         if data.startswith(signature) and (signature != b"MZ" or b"\0" in head):
             return XmlProblem(f"this is {name}, not XML", hint or _EXPORT)
