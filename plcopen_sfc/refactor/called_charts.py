@@ -13,7 +13,7 @@ from plcopen_sfc.languages.binding.shared_scans import changed_places, place_of_
 from plcopen_sfc.languages.binding.text_sites import Role
 from plcopen_sfc.languages.st import nodes as n
 from plcopen_sfc.languages.st import parse_statements, print_node
-from plcopen_sfc.languages.words import objection, take_name
+from plcopen_sfc.languages.words import take_name
 from plcopen_sfc.model.body import StBody
 from plcopen_sfc.model.late import models_in
 from plcopen_sfc.model.pou import Action, NamedTransition, Pou, PouKind
@@ -93,7 +93,7 @@ def move_to_block(journal: Journal, chart: SfcNetwork, steps: Sequence[Step], na
     project, pou = owners(chart)
     run, form = _run(chart, steps, name, what)
     names = Names(project)
-    problem = objection(block, names.dialect)
+    problem = names.objection(block)
     known = [f"the {each} has this name already" for each in names.find(block)]
     if problem or known:
         raise refused(what, problem or known)

@@ -22,7 +22,7 @@ from plcopen_sfc.languages.st.layout import layout_edits
 from plcopen_sfc.languages.st.walking import walk
 from plcopen_sfc.languages.text_edits import Edit, apply_edits
 from plcopen_sfc.languages.translation.translation_context import family
-from plcopen_sfc.languages.words import needs_quotes, objection
+from plcopen_sfc.languages.words import needs_quotes
 from plcopen_sfc.model import sfc
 from plcopen_sfc.model.actions import Qualifier
 from plcopen_sfc.model.base import Element, Model
@@ -245,7 +245,7 @@ def check_new_steps(
 
 def check_free(names: Names, pou: Pou, name: str, condition: sfc.Condition | None = None) -> None:
     """Raise `ModelError` where a POU cannot declare something of this name; `condition` may give it its value."""
-    problem = objection(name, names.project.dialect)
+    problem = names.objection(name)
     if problem:
         raise ModelError(f"{name!r} cannot be a name: {problem}")
     beside = names.resolver.scopes.pou(pou).named(name)

@@ -671,10 +671,10 @@ def test_branches_are_added() -> None:
     edit.add_branch("Main.Fill", "Abort", step("Flush", actions=["N Rinse"]), "Clean", jump("Wait"))
     assert labels(project)[-2:] == ["Fill -> Flush: Abort", "Flush -> Wait: Clean"]
     assert "Rinse" in [variable.name for variable in project.pou("Main").variables()]
-    edit.add_branch(link(project, "Fill -> Heat+Mix"), step("Log"), end=link(project, "Keep+Mix -> Drain"))
-    assert labels(project)[1] == "Fill -> Heat+Mix+Log: Full OR Stop"
-    assert labels(project)[3] == "Keep+Mix+Log -> Drain: Done"
-    edit.remove_branch("Main.Log")
+    edit.add_branch(link(project, "Fill -> Heat+Mix"), step("Record"), end=link(project, "Keep+Mix -> Drain"))
+    assert labels(project)[1] == "Fill -> Heat+Mix+Record: Full OR Stop"
+    assert labels(project)[3] == "Keep+Mix+Record -> Drain: Done"
+    edit.remove_branch("Main.Record")
     assert edit.remove_branch(link(project, "Fill -> Flush")) == ["Flush"]
     assert labels(project) == WHOLE
 

@@ -277,6 +277,14 @@ def test_what_is_no_name(new: str) -> None:
     assert "cannot be a name" in refused(project(sfc("Main", "S1 S2")), "Main.S1", new)
 
 
+@pytest.mark.parametrize("new", ["JMP", "Property", "max"])
+@pytest.mark.parametrize("file", ["codesys23/distribution_belt.EXP", "twincat-belt/POUs/Ablauf_Band.TcPOU"])
+def test_keywords_of_codesys_are_no_new_names_in_its_files(file: str, new: str) -> None:
+    made = plcopen_sfc.load(FIXTURES / file)
+    pou = next(made.charts()).pou.name
+    assert "it is a keyword" in refused(made, f"{pou}.Warten", new)
+
+
 @pytest.mark.parametrize("new", ["Füllen", "ä", "_x", "S1_2", "Schritt", "x1", "Größe"])
 def test_what_is_a_name(new: str) -> None:
     made = project(sfc("Main", "S1 S2", "S1.x"))

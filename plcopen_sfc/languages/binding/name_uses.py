@@ -29,7 +29,7 @@ from plcopen_sfc.languages.binding.text_sites import Role, Site, SiteKind, TextS
 from plcopen_sfc.languages.grafcet_conditions import OVERLINE
 from plcopen_sfc.languages.problems import Lines
 from plcopen_sfc.languages.standard_blocks import StandardBlock, Tool
-from plcopen_sfc.languages.words import is_plain, objection
+from plcopen_sfc.languages.words import CODESYS_KEYWORDS, is_plain, objection
 from plcopen_sfc.model.base import Model
 from plcopen_sfc.model.chart_settings import SfcFlag
 from plcopen_sfc.model.declaration import Declaration, Kind
@@ -189,6 +189,15 @@ class Names:
             chart = pou.chart
             if self.is_in_grafcet(Site(pou, charts=(chart,) if chart is not None else ())):
                 return ""
+        return self.objection(name)
+
+    def objection(self, name: str) -> str:
+        """Return why something new cannot have a name; empty if it can.
+
+        What a file of CODESYS has already may be a keyword of another version: ``JMP``, ``Property``.
+        """
+        if self.dialect in (Dialect.CODESYS, Dialect.TWINCAT) and name.upper() in CODESYS_KEYWORDS:
+            return "it is a keyword"
         return objection(name, self.project.dialect)
 
     @cached_property
