@@ -24,40 +24,43 @@ _CUT = 120
 _UNSPELLED = (Kind.INSTANCE, Kind.NAMESPACE)
 
 
-def give_legal_names(copy: Project, kind: Format, report: ConversionReport, *, with_letters: bool) -> None:
+def give_legal_names(
+    copy: Project, kind: Format, report: ConversionReport, *, with_letters: bool, of_s7: bool = False
+) -> None:
     """Rename what a copy declares under names that the tool of a target cannot have, or give it its own names back.
 
     CODESYS and S7 have a variable for each step: none may be called as another variable. Names in TIA Portal have a
     longest length. CODESYS, CoDeSys 2.3 and TwinCAT take letters without accents, which `with_letters` asks for, and no
     underscores behind each other (CODESYS V3 online help, "Identifiers"); a step in an export has them. Each has
     keywords of its own. The project keeps the names of the source, and what it declares gets them in other tools again,
-    names that are keywords of CODESYS V3 alone in CoDeSys 2.3 too. Called before texts are translated, which a new name
-    needs, and behind that, which the old one does.
+    names that are keywords of CODESYS alone in CoDeSys 2.3 and TIA Portal too. `of_s7`: the source is of S7. Called
+    before texts are translated, which a new name needs, and behind that, which the old one does.
     """
     from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names  # noqa: PLC0415
 
     own, target = family(copy.dialect), family(kind.dialect) if kind.dialect is not None else Dialect.IEC
     alike = own is target is Dialect.CODESYS
-    if own is not Dialect.IEC and not alike:
+    to_s7 = own is Dialect.CODESYS and target is Dialect.SCL
+    if own is not Dialect.IEC and not alike and not to_s7:
         return
     is_later = kind.charts is not None and kind.charts.has_methods
-    kinds = (KeptNames.LATER,) if alike else (KeptNames.DECLARED, KeptNames.LATER)
+    kinds = (KeptNames.LATER,) if own is Dialect.CODESYS else (KeptNames.DECLARED, KeptNames.LATER)
     kept = [row for each in kinds for row in kept_names(copy, each)]
-    if own is target and kept and not (alike and is_later):
+    if (own is target or to_s7) and kept and not (alike and is_later):
         old = {(path.casefold(), new): old for path, old, new in kept}
         found = {each: old.get((each.path.casefold(), each.name)) for each in _declarations(copy)}
         wanted = {each: (old, "as in the file that it was converted from") for each, old in found.items() if old}
         _rename_each(copy, wanted, kind.tool, report, back=True)
         for each in kinds:
             keep_names(copy, each, ())
-    if target is not Dialect.IEC and (is_later or not alike):
+    if target is not Dialect.IEC and not to_s7 and (is_later or of_s7 or not alike):
         declared, is_codesys = _declarations(copy), target is Dialect.CODESYS
         keywords = _keywords(kind)
         wanted = _legal(copy, declared, kind.tool, keywords, is_codesys=is_codesys, with_letters=with_letters)
         if alike:
             wanted = {each: new for each, new in wanted.items() if each.name.upper() in keywords}
-        done = _rename_each(copy, wanted, kind.tool, report, back=False)
+        done = _rename_each(copy, wanted, kind.tool, report, back=False, of_s7=of_s7)
         paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
         rows = [(paths[id(each.holder)], name, each.name) for each, name in done]
         keep_names(copy, kinds[0], [*(kept if alike else ()), *rows])
@@ -70,10 +73,11 @@ def _rename_each(
     report: ConversionReport,
     *,
     back: bool,
+    of_s7: bool = False,
 ) -> list[tuple[Declaration, str]]:
     """Rename declarations together, or else one by one; those that were, with their old names.
 
-    `back`: to names of the source, which nothing needs.
+    `back`: to names of the source, which nothing needs. `of_s7`: the source is of S7.
     """
     from plcopen_sfc.refactor.rename import rename_many, restore_names  # noqa: PLC0415
 
@@ -94,6 +98,8 @@ def _rename_each(
             done.append((each, name))
             report.add(Outcome.TRANSLATED, "name", place, f"{each.name} in {tool}: {wanted[each][1]}")
             for undecided in result.undecided:
+                if of_s7 and undecided.use.language == "declaration":
+                    continue  # a part that only SCL has, which is kept for the way back
                 why = f"it is unknown whether `{name}` means what is called {each.name} in {tool}"
                 report.add(Outcome.NOT_EXECUTED, "code", undecided.use.path, why)
         if len(part) == len(wanted):

@@ -107,7 +107,7 @@ def prepared(project: Project, kind: Format, options: WriteOptions, report: Conv
         _put_into_notation(copy, kind, report)
     _put_texts_into_words(copy, kind, options, report, dialect=dialect, addresses=addresses)
     if kind.tool and not options.same:
-        give_legal_names(copy, kind, report, with_letters=False)
+        give_legal_names(copy, kind, report, with_letters=False, of_s7=project.dialect is Dialect.SCL)
     _renumber_addresses(copy, project.address_dialect, addresses, report)
     if options.flavour:
         copy, profile = _fitted(project, copy, kind, profile=profile, options=options, report=report)

@@ -295,7 +295,7 @@ def test_constants_of_a_list_are_user_constants() -> None:
     assert caller["PLC_PRG_DB.n"] == 24
     back = again(data, "simaticml", "codesys").pou("PLC_PRG").body
     assert isinstance(back, m.StBody)
-    assert back.text == "n := GVL.LIMIT + GVL.LIMIT;"
+    assert back.text == "n := GVL.LIMIT_2 + GVL.LIMIT_2;"  # CODESYS has an operator of this name
 
 
 @pytest.mark.parametrize(
