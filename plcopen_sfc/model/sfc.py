@@ -326,8 +326,9 @@ class PartialChart(Owned, Element):
 
 
 StepKey: TypeAlias = Step | str | int
-_STEP_BY_NAME = 'The chart has it by its name: chart.step("Fill").'
 """A step, its name or its id."""
+
+_STEP_BY_NAME = 'The chart has it by its name: chart.step("Fill").'
 
 
 def simple_steps(steps: Collection[Step]) -> list[Step]:

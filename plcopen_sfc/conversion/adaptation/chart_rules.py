@@ -232,6 +232,7 @@ class _ChartRewriter:
     def drawn_logic(self) -> None:
         """Add the action for logic that is drawn in the chart."""
         self._boxes.store(self._steps, self._permanent)
+        self._permanent.firings()
 
     def flags(self) -> None:
         """Let conditions obey the SFC flags of CODESYS."""

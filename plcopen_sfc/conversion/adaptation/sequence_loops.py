@@ -4,8 +4,9 @@ Actions of S7-GRAPH switch steps of any sequence (ON, OFF), the manual mode does
 branches of a simultaneous sequence at once. Nothing but transitions does that elsewhere, and several steps of one
 sequence may be active then. So each step of such a sequence becomes a sequence of two steps: the step itself, and one
 that does nothing. Their conditions tell whether the step is active in the next situation of S7-GRAPH: which transitions
-fire, in the order of their priorities, and what switches the step. The rules are those of
-`plcopen_sfc.semantics.charts.graph`, and the tests compare both.
+fire, in the order of their priorities, and what switches the step. Where actions come before transitions, the last
+action computes once which transitions fire (`Fill_to_Stir`): the conditions of a step are a line then, and not all
+conditions around it. The rules are those of `plcopen_sfc.semantics.charts.graph`, and the tests compare both.
 
 Charts of CODESYS are nested branches: a sequence with branches that do not end together becomes loops as well.
 
@@ -58,6 +59,8 @@ class SequenceRewriter:
             each for found in net.transitions for each in chart.transitions if each.id == found.transition.id
         ]
         self._texts = {each.id: rewriting.text(each.condition) for each in chart.transitions}
+        self._firings: dict[int, str] = {}
+        """The variables that tell which transitions fire, by the ids of these."""
 
     def rewrite(self) -> None:
         """Change the chart; what it does otherwise is in the report."""
@@ -132,6 +135,8 @@ class SequenceRewriter:
         ids = {step.id for step in steps}
         own = [each for each in self._order if not ids.isdisjoint((*each.sources, *each.targets))]
         edges = {key: self._checks.rising(key) for key in self._wanted}
+        if self._host.is_codesys:
+            self._compute_firings(own)
         conditions = [
             (self._rewriting.reduced(self._begins(step, edges)), self._rewriting.reduced(self._ends(step, edges)))
             for step in steps
@@ -152,6 +157,19 @@ class SequenceRewriter:
                 why = "conditions tell which transition fires"
                 self._rewriting.note(Outcome.TRANSLATED, "order of transitions", f"step {step.name}", why)
         return heads
+
+    def _compute_firings(self, own: Iterable[Transition]) -> None:
+        """Have a variable computed for each transition that tells whether it fires."""
+        names = {step.id: step.name for step in self._chart.steps}
+        for each in own:
+            text = self._rewriting.reduced(self._fires(each))
+            if " " not in text:
+                continue  # a flag or a constant
+            left = "_".join(names[i] for i in each.sources if i in names)
+            entered = "_".join(names[i] for i in each.targets if i in names)
+            name = self._rewriting.new_variable(f"{left}_to_{entered}" if entered else f"{left}_ends")
+            self._firings[each.id] = name
+            self._checks.firings[name] = text
 
     def _entering(self, step: Step) -> list[str]:
         """Return the firings of the transitions that lead to a step from others."""
@@ -197,14 +215,16 @@ class SequenceRewriter:
 
     def _fires(self, transition: Transition, known: Step | None = None) -> str:
         """Return when a transition fires; the step `known` is active."""
+        if transition.id in self._firings:
+            return self._firings[transition.id]
         steps = [step for step in self._chart.steps if step.id in transition.sources]
         terms = [self._is_active(step) for step in steps if step is not known]
         terms.append(self._texts[transition.id] or "TRUE")
         for other in self._order[: self._order.index(transition)]:
             if not set(other.sources).isdisjoint(transition.sources):
                 # the only step before the other one is one before this one, whose flag is asked already
-                condition = self._texts[other.id] or "TRUE"
-                terms.append(f"NOT {as_term(condition if len(other.sources) == 1 else self._fires(other))}")
+                is_known = len(other.sources) == 1 and other.id not in self._firings
+                terms.append(f"NOT {as_term((self._texts[other.id] or 'TRUE') if is_known else self._fires(other))}")
         return all_of(terms)
 
     def _is_active(self, step: Step) -> str:

@@ -95,7 +95,9 @@ class ShownState:
             cases.append((f"NOT ({' OR '.join(self._kept(shown))})", first))
             for name, edge in self._modes.turns().items():
                 steps, sign = (self._steps, ">") if name == "S_NEXT" else (self._steps[::-1], "<")
-                onward = self._active(shown, steps, f" AND {{number}} {sign} {shown}")
+                # the step displayed is one of them here, and none is beyond the last one
+                beyond = [step for step in steps if (step.number or 0) != (steps[0].number or 0)]
+                onward = self._active(shown, beyond, f" AND {{number}} {sign} {shown}")
                 cases.append((edge, first_of([*onward, ("", first_of(self._active(shown, steps)))])))
         return first if cases == [("", first)] else first_of(cases)
 
@@ -123,6 +125,7 @@ _NAMES = {
     "before": ("before_sequence", "A_before_sequence", "A0_before_sequence"),
     "after": ("sequence_after", "Z_after_sequence", "ZZZ_after_sequence"),
     "boxes": ("timers_and_edges", "Z_timers_and_edges", "ZZZZ_timers_and_edges"),
+    "firings": ("transitions_that_fire", "Z_transitions_that_fire", "ZZZZZ_transitions_that_fire"),
 }
 """Names of the actions: CODESYS executes actions in the order of their names."""
 
@@ -177,6 +180,13 @@ class PermanentRewriter:
             edges = [*switches, *edges]
         if edges:
             self._edges(StBody(text="\n".join(edges)))
+
+    def firings(self) -> None:
+        """Add the action that computes which transitions of loops fire: the last one before the transitions."""
+        computed, initial = self._checks.firings, self._first
+        if computed and initial is not None:
+            body = StBody(text="\n".join(f"{name} := {text};" for name, text in computed.items()))
+            self._steps.store(initial, self.name("firings"), body, first=False, instead_of=None, uses=computed)
 
     def hold(self) -> None:
         """Let no transition fire in the first scan, as in S7-GRAPH, if actions are stored.

@@ -48,6 +48,8 @@ class StepChecks:
         """Returns statements that switch the operating modes by the edges of inputs."""
         self.start: Step | None = None
         """The step that leads to all sequences, where OFF_SQ keeps it."""
+        self.firings: dict[str, str] = {}
+        """Expressions that tell which transitions of loops fire, by the variables that get them after all actions."""
         self.switched: dict[int, set[str]] = {}
         """The steps that actions switch, by their ids: "on" and "off"."""
 
