@@ -13,7 +13,7 @@ from __future__ import annotations
 import heapq
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from math import frexp, inf, nextafter
@@ -75,6 +75,9 @@ After the next ones the rest is wanted in turn with it.
 
 _TRIES = 8
 """Limit for trying inputs that z3 has found for a part of a condition."""
+
+_MOST_TRIED = 60
+"""Parts of conditions, bounds of comparisons and outcomes, each, that z3 is asked for in one state."""
 
 _FLAGS = frozenset(flag.variable.casefold() for flag in SfcFlag)
 
@@ -254,8 +257,8 @@ class DirectedSearch:
 
     def _scan(self, row: Row, *, virtual: int = 0) -> bool:
         """Run one scan, after `virtual` ones in which nothing but clocks goes on; False where that ends the run."""
-        self._stopped = self._look_at_time(self._scans)
-        if self._stopped or self._scans >= self._end:
+        self._check_time()
+        if self._scans >= self._end:
             raise _End
         self._scans += 1
         first = self._at == 0 and not self._way
@@ -282,6 +285,11 @@ class DirectedSearch:
             return False
         self._look(row)
         return True
+
+    def _check_time(self) -> None:
+        self._stopped = self._look_at_time(self._scans)
+        if self._stopped:
+            raise _End
 
     def _differs(self) -> None:
         self._difference = [*self._ways_to(self._at), *self._way]
@@ -481,14 +489,13 @@ class DirectedSearch:
         after: list[Row] = []
 
         def try_part(goals: Goals, goal: Goal, values: Row | None) -> None:
-            if goal.tries >= _TRIES:
-                return
             later = goals.solve_after(goal) if values is None else None
             if add(values) or later is not None:
                 goal.tries += 1
             after.extend([later] if later is not None else [])
 
         for goal in enabled:
+            self._check_time()
             # The fewer transitions fire at once, the more situations are seen one by one: first all other conditions
             # are FALSE, then only the competing ones, then any.
             others = [each for each in enabled if each is not goal and each.tree is not None]
@@ -507,13 +514,23 @@ class DirectedSearch:
                 if goal in self._frontier:
                     add(goals.solve([goal], []))
         for goals in self._with_parts:
-            for goal in chain(goals.open_actions(), goals.open_parts()):
+            for goal in self._tried(chain(goals.open_actions(), goals.open_parts())):
                 try_part(goals, goal, goals.solve_part(goal))
-            for goal in goals.open_bounds(_BOUND_TRIES):
+            for goal in self._tried(goals.open_bounds(_BOUND_TRIES)):
                 bounds += self._at_bound(goals.solve_bound(goal))
-            for goal in goals.open_outcomes():
+            for goal in self._tried(goals.open_outcomes()):
                 try_part(goals, goal, goals.solve([goal], []))
         return _Wanted(rows, after, bounds, hoped)
+
+    def _tried(self, goals: Iterable[Goal]) -> Iterator[Goal]:
+        """Yield those that are worth a try in one state; others have their turn in the next ones.
+
+        A program of a few pages has hundreds of them, and to solve these takes longer than to run it.
+        """
+        left = [each for each in goals if each.tries < _TRIES]
+        for goal in left if len(left) <= _MOST_TRIED else self._chance.sample(left, _MOST_TRIED):
+            self._check_time()
+            yield goal
 
     def _hold(self, held: Row | None, add: Callable[[Row | None], bool]) -> None:
         """Add inputs that hold the situation, and with which branches are executed that wait for a time in it."""

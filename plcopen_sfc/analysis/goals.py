@@ -50,6 +50,8 @@ _STORED = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _ELAPSED = frozenset({"T", "ET"})
 _MOST_BRANCHES = 600
 _MOST_CALLS = 8
+_MOST_INLINED = 2_000
+"""Nodes of the expressions that are put in the places of variables of one."""
 
 
 @dataclass(eq=False)
@@ -59,10 +61,9 @@ class Goal:
     `sources` are the bits of the steps that must be active for that, of the chart of number `chart` (-1: of none).
     `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
     `part`: a part of a condition that decides it then; `action`: the bit of an action that it executes; `tries`: how
-    often inputs that were to do it have not done it; `has_inputs`: it may be solved, as far as that was looked at.
-    `places`: numbers of charts, and bits of steps in one of which it is looked at, as far as that is known. `leads`:
-    these are charts of the leading side. `waits`: it asks for an elapsed time. `origin`: the same goal with the
-    expressions that its variables get in each scan in their places. `last`: numbers with which it was tried last.
+    often inputs that were to do it have not done it. `places`: numbers of charts, and bits of steps in one of which it
+    is looked at, as far as that is known. `leads`: these are charts of the leading side. `waits`: it asks for an
+    elapsed time. `last`: numbers with which it was tried last.
     """
 
     name: str
@@ -73,14 +74,12 @@ class Goal:
     branch: int = -1
     part: ConditionPart | None = None
     action: int = 0
-    has_inputs: bool = True
     tries: int = 0
     places: Sequence[tuple[int, int]] = ()
     waits: bool = False
     leads: bool = True
     own: frozenset[str] = frozenset()
     distance: Distance = lambda: 0.0
-    origin: Goal | None = field(default=None, repr=False)
     last: Mapping[str, int] = field(default_factory=dict)
     _formula: _Solving | None = field(default=None, repr=False)
 
@@ -118,6 +117,9 @@ class Goals:
         self._own = [chart for _, chart in system.instance.unit.charts]
         self._terms: dict[tuple[int, ...], tuple[list[Goal], Formula, list[Any]]] = {}
         """The terms of goals by their ids, with these goals, so that no other gets the id of one."""
+        self._origins: dict[Goal, Goal | None] = {}
+        self._solvable: dict[Goal, bool] = {}
+        self._readers: dict[str, Callable[[], Any] | None] = {}
         self.transitions: list[list[Goal]] = [[] for _ in self.charts]
         self.branches: list[Goal] = []
         self.outcomes: list[Goal] = []
@@ -138,7 +140,6 @@ class Goals:
         self._find_branches(look)
         self.parts = [self._of_part(part) for part in parts if not look(0)]
         self.bounds = list(islice(takewhile(lambda _: not look(0), self._of_bounds()), _MOST_BRANCHES))
-        self._library.link()
 
     # -- which
 
@@ -286,7 +287,6 @@ class Goals:
         transition = part.transition
         goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)
         goal.places = [(number, transition.pre)]
-        goal.has_inputs = self._reads_inputs(_inlined(part.deciding, self._assigned))
         self._measure(goal)
         return goal
 
@@ -295,7 +295,9 @@ class Goals:
         yield from self._of_zeros()
         seen: set[tuple[int, int, str]] = set()
         for goal in chain(chain.from_iterable(self.transitions), self.branches, self.outcomes):
-            for comparison, around in bounds(goal.tree) if goal.tree is not None else ():
+            if goal.tree is None or not self._reads_inputs(goal.tree):
+                continue  # of many comparisons in long conditions, most are of steps and numbers of the program
+            for comparison, around in bounds(goal.tree):
                 left, right = map(n.Parenthesized, comparison.operands)
                 more = [
                     n.Operation(operator, (right, n.Literal("1"))) for operator in (Operator.ADD, Operator.SUBTRACT)
@@ -411,13 +413,12 @@ class Goals:
         markings = self.markings()
         for goal in self.bounds:
             if goal.tries < tries and (goal.chart < 0 or not goal.sources & ~markings[goal.chart]):
-                goal.tries += 1
                 yield goal
 
     def solve_part(self, goal: Goal) -> dict[str, Value] | None:
         """Values of inputs that make something of a step TRUE now, if possible while no competing transition fires."""
         markings = self.markings()
-        if goal.sources & ~markings[goal.chart] or not goal.has_inputs:
+        if goal.sources & ~markings[goal.chart] or not self._may_be_solved(goal):
             return None
         enabled = [each for each in self.enabled(markings) if each.chart == goal.chart and each.tree is not None]
         competing = [each for each in enabled if each.bit != goal.bit and each.sources & goal.sources]
@@ -426,6 +427,7 @@ class Goals:
 
     def solve_bound(self, goal: Goal) -> dict[str, Value] | None:
         """Values of inputs at a bound: with other numbers than the last ones, if that is possible."""
+        goal.tries += 1
         found = self.solve([goal], [], avoided=goal.last) if goal.last else None
         found = found or self.solve([goal], [])
         numbers = (found or {}).items()
@@ -434,9 +436,10 @@ class Goals:
 
     def solve_after(self, goal: Goal) -> dict[str, Value] | None:
         """Values of inputs with which a goal is reached if a scan with other ones comes before, as an edge asks for."""
-        if goal.origin is None or (goal.sources and goal.sources & ~self.markings()[goal.chart]):
+        origin = self._origin(goal)
+        if origin is None or (goal.sources and goal.sources & ~self.markings()[goal.chart]):
             return None
-        return self.solve([goal.origin], [], remembering=False)
+        return self.solve([origin], [], remembering=False)
 
     def markings(self) -> tuple[int, ...]:
         """Return the situations of all charts in which the next scan begins."""
@@ -445,14 +448,41 @@ class Goals:
     # -- how far
 
     def _measure(self, goal: Goal) -> None:
-        """Tell how far a goal is, by its condition or by what its variables get in the scan."""
-        assert goal.tree is not None  # noqa: S101  # the caller looked
-        goal.distance = distance = self._distance(goal.tree, wanted=True)
-        tree = _inlined(goal.tree, self._assigned)
-        if tree is not goal.tree:
-            goal.origin = replace(goal, tree=tree)
-            from_origin = self._distance(tree, wanted=True)
-            goal.distance = lambda: min(distance(), from_origin())
+        """Let a goal tell how far it is, by its condition or by what its variables get in the scan.
+
+        A chart may have thousands of goals, of which a search looks at few: what measures them is made when one asks.
+        """
+
+        def first() -> float:
+            assert goal.tree is not None  # noqa: S101  # the caller looked
+            distance, origin = self._distance(goal.tree, wanted=True), self._origin(goal)
+            goal.distance = distance
+            if origin is not None and origin.tree is not None:
+                from_origin = self._distance(origin.tree, wanted=True)
+                goal.distance = lambda: min(distance(), from_origin())
+            self._library.link()
+            return goal.distance()
+
+        goal.distance = first
+
+    def _origin(self, goal: Goal) -> Goal | None:
+        """Return the same goal with the expressions that its variables get in each scan in their places; None: none."""
+        if goal not in self._origins:
+            tree = _inlined(goal.tree, self._assigned) if goal.tree is not None else None
+            found = replace(goal, tree=tree, _formula=None) if tree is not goal.tree else None
+            self._origins[goal] = found
+            if found is not None:
+                self._origins[found] = None
+        return self._origins[goal]
+
+    def _may_be_solved(self, goal: Goal) -> bool:
+        """True if inputs are in the condition of a part, or in what its variables get in each scan."""
+        if goal.part is None:
+            return True
+        if goal not in self._solvable:
+            tree = (self._origin(goal) or goal).tree
+            self._solvable[goal] = tree is not None and self._reads_inputs(tree)
+        return self._solvable[goal]
 
     def _distance(self, tree: Expression, *, wanted: bool) -> Distance:
         match tree:
@@ -505,6 +535,12 @@ class Goals:
 
     def _value(self, tree: Expression) -> Callable[[], Any] | None:
         """Return a reader of a value after a scan; None where it depends on inputs, or on what must not be called."""
+        text = print_node(tree)
+        if text not in self._readers:
+            self._readers[text] = self._reader(tree, text)
+        return self._readers[text]
+
+    def _reader(self, tree: Expression, text: str) -> Callable[[], Any] | None:
         for node in walk(tree):
             if isinstance(node, n.Call):
                 return None
@@ -513,7 +549,7 @@ class Goals:
         instance = self.system.instance
         try:
             with instance.adding_nothing():  # a branch of a method has names that are known in the method alone
-                function = Routines(instance.unit.scope).expression(print_node(tree), instance.unit.pou.name)
+                function = Routines(instance.unit.scope).expression(text, instance.unit.pou.name)
         except SfcError:
             return None
         frame = instance.frame
@@ -564,8 +600,8 @@ class Goals:
         cache = parts[0].found
         if key not in cache:
             cache[key] = self._solved(wanted, unwanted, known, avoided)
-            if cache[key] is None and any(each.origin is not None for each in goals):
-                first, other = ([each.origin or each for each in some] for some in (wanted, unwanted))
+            if cache[key] is None and any(self._origin(each) is not None for each in goals):
+                first, other = ([self._origin(each) or each for each in some] for some in (wanted, unwanted))
                 cache[key] = self.solve(first, other, hoping=hoping, remembering=remembering, avoided=avoided)
         return cache[key]
 
@@ -583,13 +619,14 @@ class Goals:
         """The expression of each variable of the POU that one statement assigns and nothing else writes, by its name.
 
         That is all that it depends on where the statement is executed in each scan: an edge of an input, a mode. A
-        variable that gets its value further down, or in another text, has that of the scan before there.
+        variable that gets its value further down has that of the scan before there; one of another text is taken as
+        computed before, as edges and modes are.
         """
         pou, dialect = self.system.subject.pou, self._project.dialect
         texts = [bind(body, dialect) for _, _, body in pou.named_bodies()]
         written = Counter(print_node(target).casefold() for text in texts for target in text.targets())
         acting = {".".join(path) for text in texts for chart in text.charts for path in chart.acting.writes}
-        whole: dict[str, Expression] = {}
+        found: list[dict[str, Expression]] = []
         for text in texts:
             inside: dict[str, Expression] = {}
             for statement in text.statements:
@@ -598,8 +635,14 @@ class Goals:
                         key = name.casefold()
                         if written[key] == 1 and key not in acting:
                             inside[key] = _inlined(value, inside)
-            whole |= inside
-        return whole
+            found.append(inside)
+        whole = {key: value for inside in found for key, value in inside.items()}
+        # a name that is left in a text is one of another text, or has the value of the scan before
+        return {
+            key: _inlined(value, {name: each for name, each in whole.items() if name not in inside})
+            for inside in found
+            for key, value in inside.items()
+        }
 
     def _formula(self) -> Formula:
         chart = self.system.subject.pou.chart
@@ -622,6 +665,9 @@ class Goals:
     ) -> dict[str, Value] | None:
         goals = [*wanted, *unwanted]
         key = tuple(map(id, goals))
+        if key not in self._terms and len(goals) == 1:
+            alone = self._solving(goals[0])
+            self._terms[key] = goals, alone.formula, [alone.term]
         if key not in self._terms:  # making them takes longer than solving them
             formula = self._formula()
             trees = [goal.tree for goal in goals if goal.tree is not None]
@@ -658,7 +704,16 @@ class Goals:
 
 
 def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression:
-    """Return an expression with those that are assigned to its variables in their places."""
+    """Return an expression with those that are assigned to its variables in their places.
+
+    It stays as it is where it would become too long: one that names the one before it twice doubles with each.
+    """
+    names = (node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))
+    put_in = Counter(name for name in names if name in assigned)
+    if sum(count * sum(1 for _ in islice(walk(assigned[name]), _MOST_INLINED)) for name, count in put_in.items()) >= (
+        _MOST_INLINED
+    ):
+        return tree
 
     def changed(node: n.Node) -> n.Node:
         if isinstance(node, n.Name):

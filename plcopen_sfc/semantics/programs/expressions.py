@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from plcopen_sfc.errors import SimulationError
@@ -27,9 +29,31 @@ class Translator(PathTranslator):
         super().__init__(scope, writer)
         self._operators = Operators(self)
         self._calls = Calls(self)
+        self._remembered: dict[tuple[int, int], tuple[n.Expression, t.Type | None, Code]] | None = None
+
+    @contextmanager
+    def remembering(self) -> Iterator[None]:
+        """Translate each tree once only: for conditions that are made of the same parts again and again."""
+        self._remembered = {}
+        try:
+            yield
+        finally:
+            self._remembered = None
 
     def value(self, node: n.Expression, expected: t.Type | None = None) -> Code:
         """Return the value of an expression; see `PathTranslator.value`."""
+        if self._remembered is None:
+            return self._value(node, expected)
+        key = id(node), id(expected)
+        if key in self._remembered:
+            return self._remembered[key][2]
+        mark = self.writer.mark()
+        code = self._value(node, expected)
+        if not code.acts and self.writer.mark() == mark:  # else statements belong to it
+            self._remembered[key] = node, expected, code  # with what the key is of, so that nothing else gets its id
+        return code
+
+    def _value(self, node: n.Expression, expected: t.Type | None) -> Code:
         match node:
             case n.Parenthesized(inner=inner):
                 return self.value(inner, expected)

@@ -154,21 +154,26 @@ class MarkedBranch:
     `guards` are conditions that are all TRUE at once when it is executed: that of the branch, and what is known from
     the branches around it and before it.
 
-    Or an outcome of a comparison that is assigned: then `condition` is what is TRUE then, `outcome` the assignment and
-    the value, and `inside` what leads to the assignment.
+    Or an outcome of a comparison that is assigned: then the last guard is what is TRUE then, `outcome` the assignment
+    and the value, and `inside` what leads to the assignment.
 
     Or an outcome of a condition, or a part of it that has decided it: then `decides` names it, with the value None for
     parts, and `around` is the number of the branch in which it is tested.
     """
 
     owner: str
-    condition: str
+    text: str | None = None
     guards: tuple[Expression, ...] = ()
     assignments: list[str] = field(default_factory=list)
     outcome: tuple[str, bool] | None = None
     inside: str = ""
     decides: tuple[str, str, bool | None] | None = None
     around: int = -1
+
+    @property
+    def condition(self) -> str:
+        """The `text` of the condition; without one that of the last guard, for which few ask."""
+        return self.text if self.text is not None else print_node(self.guards[-1])
 
     @property
     def is_statement(self) -> bool:
@@ -212,7 +217,7 @@ class Marks:
         """Note that a branch assigns a comparison; the number of the outcome FALSE, which that of TRUE follows."""
         around = self.branches[branch]
         for outcome, condition in ((False, inverted(Parenthesized(value))), (True, value)):
-            noted = MarkedBranch(around.owner, print_node(condition), (*guards, condition))
+            noted = MarkedBranch(around.owner, guards=(*guards, condition))
             noted.outcome, noted.inside = (assignment, outcome), around.condition
             last = self._noted(noted)
         return last - 1
@@ -226,7 +231,7 @@ class Marks:
     def decision(self, branch: int, condition: str, part: str, value: bool | None, guards: Sequence[Expression]) -> int:
         """Note an outcome of a condition, or without `value` that a part of it has decided it; its number."""
         around = self.branches[branch]
-        noted = MarkedBranch(around.owner, print_node(guards[-1]), tuple(guards), decides=(condition, part, value))
+        noted = MarkedBranch(around.owner, guards=tuple(guards), decides=(condition, part, value))
         noted.inside, noted.around = around.condition, branch
         return self._noted(noted)
 

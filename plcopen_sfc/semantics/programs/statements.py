@@ -452,7 +452,7 @@ class StatementTranslator:
         mark, first = self._writer.mark(), len(self._marks.branches)
         group = self._marks.group()
         try:
-            with self._writer.block(f"if w[{group}]:"):
+            with self._translator.remembering(), self._writer.block(f"if w[{group}]:"):
                 for shown, (part, value, deciding) in known:
                     code = self._truth(deciding)
                     if code.constant:
