@@ -81,7 +81,7 @@ def clocking(subjects: Sequence[Subject], scan_time: int | None) -> Clocking:
     if scan_time is None:
         common = math.gcd(*constants)
         scan_time = (common // 2 if common % 2 == 0 else common) or _DEFAULT_SCAN
-    reads_clock = any(use.role is Role.ACTION and use.name.casefold() in _CLOCKS for text in texts for use in text.uses)
+    reads_clock = any(use.role is Role.CALL and use.name.casefold() in _CLOCKS for text in texts for use in text.uses)
     return Clocking(scan_time, tuple(constants), "the program reads the clock" if reads_clock else "")
 
 

@@ -695,4 +695,4 @@ def _listed(project: Project) -> Counter[str]:
 def _is_call(occurrence: Occurrence) -> bool:
     """True for the name of a function or a block, where it is called."""
     holder = occurrence.text_site.holder
-    return occurrence.reference.role is Role.ACTION and not isinstance(holder, ActionAssociation | Step)
+    return occurrence.reference.role in (Role.ACTION, Role.CALL) and not isinstance(holder, ActionAssociation | Step)

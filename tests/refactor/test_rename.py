@@ -633,3 +633,15 @@ END_PROGRAM
     with pytest.raises(ModelError, match=r"before a dot|as their flag"):
         made.rename(what, new)
     assert plcopen_sfc.dumps(made) == text
+
+
+def test_a_step_with_the_name_of_a_function_is_not_what_a_call_names() -> None:
+    """`MAX(k, 2)` became `Top(k, 2)`, and the result told of no doubt."""
+    main = sfc(
+        "Main", "MAX S2", "MAX(k, 2) > 1 AND MAX.X", actions={"Act": "x := MAX(k, 2); IF MAX.X THEN x := 1; END_IF"}
+    )
+    made = project(main)
+    assert main.sfc is not None
+    main.sfc.rename_step("MAX", "Top")
+    assert condition(main) == "MAX(k, 2) > 1 AND Top.X"
+    assert text_of(made, "Main.Act") == "x := MAX(k, 2); IF Top.X THEN x := 1; END_IF"

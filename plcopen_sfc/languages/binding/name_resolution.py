@@ -573,14 +573,16 @@ def fitting(found: Sequence[Declaration], role: Role) -> list[Declaration]:
         return [d for d in found if d.kind in (Kind.POU, Kind.DATA_TYPE)]
     if role is Role.TRANSITION:
         return list(found)
+    if role is Role.CALL:  # a step may have the name of a standard function
+        return [d for d in found if d.kind not in (Kind.TRANSITION, Kind.STEP)]
     return [d for d in found if d.kind is not Kind.TRANSITION]
 
 
 def preferred(found: Sequence[Declaration], role: Role) -> list[Declaration]:
     """Return those of several declarations in one scope that a name in this role means: one, if that can be told."""
-    if role is Role.ACTION:
+    if role in (Role.ACTION, Role.CALL):
         found = [d for d in found if _is_callable(d)] or found
-    ranks = _RANKS.get(role, _VALUE_RANKS)
+    ranks = _RANKS.get(Role.ACTION if role is Role.CALL else role, _VALUE_RANKS)
     best = min(ranks.get(d.kind, _LAST) for d in found)
     return [d for d in found if ranks.get(d.kind, _LAST) == best]
 

@@ -88,7 +88,7 @@ def in_tree(node: n.Node, dialect: Dialect, access: str = "") -> Iterator[Refere
         yield named(node.call, role=Role.ACTION)
     elif isinstance(node, n.Call):
         if isinstance(node.callee, n.Name):
-            yield named(node.callee, role=Role.ACTION)
+            yield named(node.callee, role=Role.CALL)
         else:
             yield from in_tree(node.callee, dialect)
         for argument in node.arguments:
@@ -207,7 +207,7 @@ def in_instructions(text: str, dialect: Dialect) -> Iterator[Reference]:
     """Yield every name in instruction list, but for labels."""
     for instruction in instructions(text, dialect):
         if instruction.is_function:
-            yield Reference(instruction.operator, instruction.operator_span, Role.ACTION)
+            yield Reference(instruction.operator, instruction.operator_span, Role.CALL)
         if instruction.operator.upper() in JUMPS:
             continue
         calls = instruction.operator.upper() in CALLS

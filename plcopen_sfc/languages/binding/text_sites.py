@@ -68,12 +68,13 @@ class Role(StrEnum):
 
     Where a name belongs to `TextSite.owner`: PARAMETER, of this block; MEMBER, of this value; STEP, of this chart;
     OBJECT: the last of these nodes of the project tree, each inside the one before. HEAD: what a text of declarations
-    declares as a whole.
+    declares as a whole. ACTION: what an association or a statement executes, CALL: what is called with arguments.
     """
 
     VALUE = "value"
     TYPE = "type"
     ACTION = "action"
+    CALL = "call"
     TRANSITION = "transition"
     PARAMETER = "parameter"
     MEMBER = "member"
