@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Collection, Iterator, Mapping, Set
+from typing import TYPE_CHECKING
 
 from plcopen_sfc.errors import ModelError
 from plcopen_sfc.formats.format_interface import Format
@@ -17,6 +18,9 @@ from plcopen_sfc.report import ConversionReport, Outcome
 
 _WORD = re.compile(r"(?!.*__)[^\W\d]\w*")
 _STEP = re.compile(r"[^\W\d]\w*")
+if TYPE_CHECKING:
+    from plcopen_sfc.languages.translation.renames import KeptNames
+
 _LONGEST = 125
 """The longest name of a block in TIA Portal; tags and parameters can have 128 characters (TIA Portal help)."""
 _CUT = 120
@@ -36,34 +40,45 @@ def give_legal_names(
     names that are keywords of CODESYS alone in CoDeSys 2.3 and TIA Portal too. `of_s7`: the source is of S7. Called
     before texts are translated, which a new name needs, and behind that, which the old one does.
     """
-    from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
     from plcopen_sfc.languages.translation.renames import KeptNames, keep_names, kept_names  # noqa: PLC0415
 
     own, target = family(copy.dialect), family(kind.dialect) if kind.dialect is not None else Dialect.IEC
-    alike = own is target is Dialect.CODESYS
-    to_s7 = own is Dialect.CODESYS and target is Dialect.SCL
-    if own is not Dialect.IEC and not alike and not to_s7:
-        return
     is_later = kind.charts is not None and kind.charts.has_methods
-    kinds = (KeptNames.LATER,) if own is Dialect.CODESYS else (KeptNames.DECLARED, KeptNames.LATER)
-    kept = [row for each in kinds for row in kept_names(copy, each)]
-    if (own is target or to_s7) and kept and not (alike and is_later):
-        old = {(path.casefold(), new): old for path, old, new in kept}
-        found = {each: old.get((each.path.casefold(), each.name)) for each in _declarations(copy)}
-        wanted = {each: (old, "as in the file that it was converted from") for each, old in found.items() if old}
-        _rename_each(copy, wanted, kind.tool, report, back=True)
-        for each in kinds:
-            keep_names(copy, each, ())
-    if target is not Dialect.IEC and not to_s7 and (is_later or of_s7 or not alike):
-        declared, is_codesys = _declarations(copy), target is Dialect.CODESYS
-        keywords = _keywords(kind)
-        wanted = _legal(copy, declared, kind.tool, keywords, is_codesys=is_codesys, with_letters=with_letters)
-        if alike:
-            wanted = {each: new for each, new in wanted.items() if each.name.upper() in keywords}
-        done = _rename_each(copy, wanted, kind.tool, report, back=False, of_s7=of_s7)
-        paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
-        rows = [(paths[id(each.holder)], name, each.name) for each, name in done]
-        keep_names(copy, kinds[0], [*(kept if alike else ()), *rows])
+    if own is Dialect.IEC and target is Dialect.IEC:
+        _give_back(copy, (KeptNames.DECLARED, KeptNames.LATER), kind.tool, report)
+    elif own is Dialect.IEC:
+        done = _rename_each(copy, _illegal(copy, kind, with_letters), kind.tool, report, of_s7=of_s7)
+        keep_names(copy, KeptNames.DECLARED, _rows(copy, done))
+    elif own is Dialect.CODESYS and target is not Dialect.IEC:
+        if target is Dialect.SCL or not is_later:
+            _give_back(copy, (KeptNames.LATER,), kind.tool, report)
+        if target is Dialect.CODESYS and (is_later or of_s7):
+            words = _keywords(kind)
+            wanted = {
+                each: new for each, new in _illegal(copy, kind, with_letters).items() if each.name.upper() in words
+            }
+            done = _rename_each(copy, wanted, kind.tool, report, of_s7=of_s7)
+            keep_names(copy, KeptNames.LATER, [*kept_names(copy, KeptNames.LATER), *_rows(copy, done)])
+
+
+def _give_back(copy: Project, kinds: Collection[KeptNames], tool: str, report: ConversionReport) -> None:
+    """Give declarations the names of their source that a project has kept, and forget these."""
+    from plcopen_sfc.languages.translation.renames import keep_names, kept_names  # noqa: PLC0415
+
+    old = {(path.casefold(), new): old for each in kinds for path, old, new in kept_names(copy, each)}
+    found = {each: old.get((each.path.casefold(), each.name)) for each in (_declarations(copy) if old else ())}
+    wanted = {each: (name, "as in the file that it was converted from") for each, name in found.items() if name}
+    _rename_each(copy, wanted, tool, report, back=True)
+    for each in kinds:
+        keep_names(copy, each, ())
+
+
+def _rows(copy: Project, done: Collection[tuple[Declaration, str]]) -> list[tuple[str, str, str]]:
+    """Return what was renamed as rows to keep: the path, the old and the new name."""
+    from plcopen_sfc.languages.binding import Names  # noqa: PLC0415  # brings the parser
+
+    paths = {id(each.holder): each.path for each in (Names(copy).declarations() if done else ())}
+    return [(paths[id(each.holder)], name, each.name) for each, name in done]
 
 
 def _rename_each(
@@ -72,7 +87,7 @@ def _rename_each(
     tool: str,
     report: ConversionReport,
     *,
-    back: bool,
+    back: bool = False,
     of_s7: bool = False,
 ) -> list[tuple[Declaration, str]]:
     """Rename declarations together, or else one by one; those that were, with their old names.
@@ -141,11 +156,16 @@ def with_legal_names(project: Project, kind: Format, flavour: str) -> tuple[Proj
 
 def illegal_names(project: Project, kind: Format) -> Iterator[tuple[str, str]]:
     """Yield the paths of names that the tool of a format cannot have, each with the reason."""
-    places, is_codesys = _places(project), kind.dialect is not None and family(kind.dialect) is Dialect.CODESYS
-    declared = _declarations(project)
-    wanted = _legal(project, declared, kind.tool, _keywords(kind), is_codesys=is_codesys, with_letters=True)
-    for each, (_, why) in wanted.items():
+    places = _places(project)
+    for each, (_, why) in _illegal(project, kind, with_letters=True).items():
         yield places.get(id(each.holder), each.path), f"{kind.tool} does not compile {each.name}: {why}"
+
+
+def _illegal(project: Project, kind: Format, with_letters: bool) -> dict[Declaration, tuple[str, str]]:
+    """Return the declarations whose names the tool of a format cannot have, with new ones, and why; see `_legal`."""
+    is_codesys = kind.dialect is not None and family(kind.dialect) is Dialect.CODESYS
+    words = _keywords(kind)
+    return _legal(project, _declarations(project), kind.tool, words, is_codesys=is_codesys, with_letters=with_letters)
 
 
 def _keywords(kind: Format) -> Set[str]:
