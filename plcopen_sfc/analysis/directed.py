@@ -514,7 +514,7 @@ class DirectedSearch:
                 if goal in self._frontier:
                     add(goals.solve([goal], []))
         for goals in self._with_parts:
-            for goal in self._tried(chain(goals.open_actions(), goals.open_parts())):
+            for goal in self._tried(goals.tested(chain(goals.open_actions(), goals.open_parts()))):
                 try_part(goals, goal, goals.solve_part(goal))
             for goal in self._tried(goals.open_bounds(_BOUND_TRIES)):
                 bounds += self._at_bound(goals.solve_bound(goal))

@@ -118,8 +118,11 @@ class Goals:
         self._terms: dict[tuple[int, ...], tuple[list[Goal], Formula, list[Any]]] = {}
         """The terms of goals by their ids, with these goals, so that no other gets the id of one."""
         self._origins: dict[Goal, Goal | None] = {}
+        """The results of `_origin`."""
         self._solvable: dict[Goal, bool] = {}
+        """The results of `_may_be_solved`."""
         self._readers: dict[str, Callable[[], Any] | None] = {}
+        """The results of `_value` by the texts of expressions, which many goals have in common."""
         self.transitions: list[list[Goal]] = [[] for _ in self.charts]
         self.branches: list[Goal] = []
         self.outcomes: list[Goal] = []
@@ -410,16 +413,21 @@ class Goals:
 
     def open_bounds(self, tries: int) -> Iterator[Goal]:
         """Yield the bounds of comparisons that can be tried now, each only so often."""
+        return (goal for goal in self.tested(self.bounds) if goal.tries < tries)
+
+    def tested(self, goals: Iterable[Goal]) -> Iterator[Goal]:
+        """Yield those whose steps are all active now."""
         markings = self.markings()
-        for goal in self.bounds:
-            if goal.tries < tries and (goal.chart < 0 or not goal.sources & ~markings[goal.chart]):
-                yield goal
+        return (goal for goal in goals if goal.chart < 0 or not goal.sources & ~markings[goal.chart])
 
     def solve_part(self, goal: Goal) -> dict[str, Value] | None:
-        """Values of inputs that make something of a step TRUE now, if possible while no competing transition fires."""
-        markings = self.markings()
-        if goal.sources & ~markings[goal.chart] or not self._may_be_solved(goal):
+        """Values of inputs that make something of active steps TRUE, if possible while no competing transition fires.
+
+        None where there are none, or no inputs decide it.
+        """
+        if not self._may_be_solved(goal):
             return None
+        markings = self.markings()
         enabled = [each for each in self.enabled(markings) if each.chart == goal.chart and each.tree is not None]
         competing = [each for each in enabled if each.bit != goal.bit and each.sources & goal.sources]
         found = self.solve([goal], competing)
@@ -435,11 +443,12 @@ class Goals:
         return found
 
     def solve_after(self, goal: Goal) -> dict[str, Value] | None:
-        """Values of inputs with which a goal is reached if a scan with other ones comes before, as an edge asks for."""
+        """Values of inputs with which a goal is reached if a scan with other ones comes before, as an edge asks for.
+
+        The steps of the goal are active.
+        """
         origin = self._origin(goal)
-        if origin is None or (goal.sources and goal.sources & ~self.markings()[goal.chart]):
-            return None
-        return self.solve([origin], [], remembering=False)
+        return self.solve([origin], [], remembering=False) if origin is not None else None
 
     def markings(self) -> tuple[int, ...]:
         """Return the situations of all charts in which the next scan begins."""
@@ -626,7 +635,7 @@ class Goals:
         texts = [bind(body, dialect) for _, _, body in pou.named_bodies()]
         written = Counter(print_node(target).casefold() for text in texts for target in text.targets())
         acting = {".".join(path) for text in texts for chart in text.charts for path in chart.acting.writes}
-        found: list[dict[str, Expression]] = []
+        found: list[dict[str, Expression]] = []  # of each text
         for text in texts:
             inside: dict[str, Expression] = {}
             for statement in text.statements:
@@ -636,13 +645,12 @@ class Goals:
                         if written[key] == 1 and key not in acting:
                             inside[key] = _inlined(value, inside)
             found.append(inside)
-        whole = {key: value for inside in found for key, value in inside.items()}
-        # a name that is left in a text is one of another text, or has the value of the scan before
-        return {
-            key: _inlined(value, {name: each for name, each in whole.items() if name not in inside})
-            for inside in found
-            for key, value in inside.items()
-        }
+        all_texts = {key: value for inside in found for key, value in inside.items()}
+        whole: dict[str, Expression] = {}
+        for inside in found:  # what is left of its own names has the value of the scan before
+            others = {key: value for key, value in all_texts.items() if key not in inside}
+            whole |= {key: _inlined(value, others) for key, value in inside.items()}
+        return whole
 
     def _formula(self) -> Formula:
         chart = self.system.subject.pou.chart
@@ -709,10 +717,8 @@ def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression
     It stays as it is where it would become too long: one that names the one before it twice doubles with each.
     """
     names = (node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))
-    put_in = Counter(name for name in names if name in assigned)
-    if sum(count * sum(1 for _ in islice(walk(assigned[name]), _MOST_INLINED)) for name, count in put_in.items()) >= (
-        _MOST_INLINED
-    ):
+    put_in = chain.from_iterable(walk(assigned[name]) for name in names if name in assigned)
+    if next(islice(put_in, _MOST_INLINED, None), None) is not None:
         return tree
 
     def changed(node: n.Node) -> n.Node:

@@ -206,9 +206,10 @@ EXAMPLES = (
     RuleExample(CHART_RULES[3].of, _feature("SkipSteps"), "codesys"),
     RuleExample(CHART_RULES[4].of, _feature("permanent instruction after"), "codesys"),
     RuleExample(CHART_RULES[5].of, _feature("drawn logic", "plcopen"), "codesys"),
-    RuleExample(CHART_RULES[6].of, _feature("SFCReset", "codesys"), "plcopen-2.01"),
-    RuleExample(CHART_RULES[7].of, _feature("permanent instruction after"), "plcopen-2.01"),
-    RuleExample(CHART_RULES[8].of, _chart(_analysed, "codesys"), "plcopen-2.01", "Analyzation"),
+    RuleExample(CHART_RULES[6].of, _feature("ON"), "codesys"),
+    RuleExample(CHART_RULES[7].of, _feature("SFCReset", "codesys"), "plcopen-2.01"),
+    RuleExample(CHART_RULES[8].of, _feature("permanent instruction after"), "plcopen-2.01"),
+    RuleExample(CHART_RULES[9].of, _chart(_analysed, "codesys"), "plcopen-2.01", "Analyzation"),
 )
 
 

@@ -232,7 +232,10 @@ class _ChartRewriter:
     def drawn_logic(self) -> None:
         """Add the action for logic that is drawn in the chart."""
         self._boxes.store(self._steps, self._permanent)
-        self._permanent.firings()
+
+    def firings(self) -> None:
+        """Add the action for the transitions of loops, behind all others."""
+        self._permanent.add_firings()
 
     def flags(self) -> None:
         """Let conditions obey the SFC flags of CODESYS."""
@@ -537,6 +540,12 @@ CHART_RULES = (
         "an action that the initial step stores: it calls what is drawn before a condition while its transition is "
         "enabled, and executes the rest in every scan",
         _ChartRewriter.drawn_logic,
+    ),
+    ChartRule(
+        "transitions of steps that become loops, in CODESYS",
+        "a variable for each, such as `Fill_to_Stir`, that tells whether it fires: an action that the initial step "
+        "stores computes them behind all other actions, and the conditions of the loops read them",
+        _ChartRewriter.firings,
     ),
     ChartRule(
         "SFC flags and maximum times in TC6",

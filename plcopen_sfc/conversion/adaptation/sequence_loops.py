@@ -223,8 +223,9 @@ class SequenceRewriter:
         for other in self._order[: self._order.index(transition)]:
             if not set(other.sources).isdisjoint(transition.sources):
                 # the only step before the other one is one before this one, whose flag is asked already
-                is_known = len(other.sources) == 1 and other.id not in self._firings
-                terms.append(f"NOT {as_term((self._texts[other.id] or 'TRUE') if is_known else self._fires(other))}")
+                is_asked = len(other.sources) == 1 and other.id not in self._firings
+                fires = (self._texts[other.id] or "TRUE") if is_asked else self._fires(other)
+                terms.append(f"NOT {as_term(fires)}")
         return all_of(terms)
 
     def _is_active(self, step: Step) -> str:

@@ -181,7 +181,7 @@ class PermanentRewriter:
         if edges:
             self._edges(StBody(text="\n".join(edges)))
 
-    def firings(self) -> None:
+    def add_firings(self) -> None:
         """Add the action that computes which transitions of loops fire: the last one before the transitions."""
         computed, initial = self._checks.firings, self._first
         if computed and initial is not None:

@@ -439,7 +439,7 @@ class Resolver:
     def _called_thing(self, callee: n.Node, site: Site) -> Binding | None:
         """Return what a name or path in the place of a callee means; None for other expressions."""
         if isinstance(callee, n.Name):
-            return self.lookup(named(callee, role=Role.ACTION), site)
+            return self.lookup(named(callee, role=Role.CALL), site)
         if isinstance(callee, n.Member):
             name = callee.name.identifier
             return self.member(self.type_of(callee.base, site, name), name)
@@ -582,7 +582,7 @@ def preferred(found: Sequence[Declaration], role: Role) -> list[Declaration]:
     """Return those of several declarations in one scope that a name in this role means: one, if that can be told."""
     if role in (Role.ACTION, Role.CALL):
         found = [d for d in found if _is_callable(d)] or found
-    ranks = _RANKS.get(Role.ACTION if role is Role.CALL else role, _VALUE_RANKS)
+    ranks = _RANKS.get(role, _VALUE_RANKS)
     best = min(ranks.get(d.kind, _LAST) for d in found)
     return [d for d in found if ranks.get(d.kind, _LAST) == best]
 
@@ -616,16 +616,18 @@ _VALUE_RANKS = {
     Kind.DATA_TYPE: 6,
     Kind.NAMESPACE: 7,
 }
+_EXECUTED_RANKS = {
+    Kind.ACTION: 0,
+    Kind.METHOD: 0,
+    Kind.VARIABLE: 1,
+    Kind.DATA_BLOCK: 1,
+    Kind.POU: 2,
+    Kind.INSTANCE: 3,
+    Kind.STEP: 4,
+}
 _RANKS = {
-    Role.ACTION: {
-        Kind.ACTION: 0,
-        Kind.METHOD: 0,
-        Kind.VARIABLE: 1,
-        Kind.DATA_BLOCK: 1,
-        Kind.POU: 2,
-        Kind.INSTANCE: 3,
-        Kind.STEP: 4,
-    },
+    Role.ACTION: _EXECUTED_RANKS,
+    Role.CALL: _EXECUTED_RANKS,
     Role.TRANSITION: {Kind.TRANSITION: 0, Kind.VARIABLE: 1},
     Role.TYPE: {Kind.POU: 0, Kind.DATA_TYPE: 0},
 }
