@@ -32,19 +32,14 @@ from plcopen_sfc.formats.codesys23.exp_reader import (
     footer_of,
     read_export,
 )
+from plcopen_sfc.formats.declaration_blocks import section_block, type_blocks
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.provenance import content_digest
 from plcopen_sfc.formats.registry import CODE_PAGES
 from plcopen_sfc.formats.remainder_comments import lacking
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText, decode_text
-from plcopen_sfc.formats.text_patch import (
-    BlockSpan,
-    WrittenBlock,
-    numbered_blocks,
-    section_block,
-    type_blocks,
-)
+from plcopen_sfc.formats.text_patch import BlockSpan, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type, write_value, write_variable
 from plcopen_sfc.languages.declarations.attributes import pragma_attributes
 from plcopen_sfc.languages.declarations.conditional_declarations import without_conditions

@@ -31,17 +31,10 @@ from plcopen_sfc.formats.codesys23.exp_outline import (
     open_comment,
     outline_of,
 )
+from plcopen_sfc.formats.declaration_blocks import head_places, section_places, type_places
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, Entry, put_back, read_entries
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import (
-    Place,
-    ReadText,
-    block_span,
-    head_places,
-    plain_lines,
-    section_places,
-    type_places,
-)
+from plcopen_sfc.formats.text_patch import Place, ReadText, block_span, plain_lines
 from plcopen_sfc.languages.declarations import Declared, Head, read_declarations, read_interface
 from plcopen_sfc.languages.declarations.declaration_comments import comment_text
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import EncodingError, Location
+from plcopen_sfc.formats.declaration_blocks import section_places, type_places
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.iectext.pou_text_writer import POU_KEYWORDS
 from plcopen_sfc.formats.iectext.project_text import dialect_of, read_project, write_project
@@ -20,7 +21,7 @@ from plcopen_sfc.formats.matiec.matiec_project import fit_project, pous_in_order
 from plcopen_sfc.formats.matiec.matiec_statements import compilable_comments, plain_comment
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered, section_places, type_places
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered
 from plcopen_sfc.languages.declarations import (
     read_declarations,
     write_data_type,

@@ -10,6 +10,7 @@ from functools import partial
 from pydantic import ValidationError
 
 from plcopen_sfc.errors import StructureError
+from plcopen_sfc.formats.declaration_blocks import type_blocks
 from plcopen_sfc.formats.format_interface import WriteOptions
 from plcopen_sfc.formats.iectext.chart_text_reader import apply_change
 from plcopen_sfc.formats.iectext.pou_text_reader import read_pou
@@ -35,7 +36,7 @@ from plcopen_sfc.formats.iectext.text_source import (
     kept_texts,
 )
 from plcopen_sfc.formats.matiec.matiec_declarations import variable_names
-from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks, plain_lines, type_blocks
+from plcopen_sfc.formats.text_patch import WrittenBlock, numbered_blocks, plain_lines
 from plcopen_sfc.languages.declarations import write_listing, write_variable
 from plcopen_sfc.languages.declarations.kept_texts import texts_from, unwrapped, wrapped
 from plcopen_sfc.languages.pragmas import Append, Fields, Named, RemainderEntry, Segment, changes, plain_fields

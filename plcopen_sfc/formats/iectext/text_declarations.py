@@ -9,12 +9,13 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
+from plcopen_sfc.formats.declaration_blocks import section_block
 from plcopen_sfc.formats.iectext.text_outline import PartKind, TextPart, outline
 from plcopen_sfc.formats.iectext.text_printing import TextPrinter
 from plcopen_sfc.formats.iectext.text_source import INDENT, TextSource, keep_data, kept_texts
 from plcopen_sfc.formats.matiec.matiec_declarations import with_quotes
 from plcopen_sfc.formats.provenance import read_later
-from plcopen_sfc.formats.text_patch import WrittenBlock, plain_lines, section_block
+from plcopen_sfc.formats.text_patch import WrittenBlock, plain_lines
 from plcopen_sfc.languages.declarations import Declared, read_declarations, write_data_type, write_section, write_type
 from plcopen_sfc.languages.declarations.kept_texts import inheritance
 from plcopen_sfc.languages.pragmas import Fields, plain_fields

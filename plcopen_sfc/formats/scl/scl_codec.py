@@ -10,6 +10,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
+from plcopen_sfc.formats.declaration_blocks import section_block
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.remainder_comments import keys_of
 from plcopen_sfc.formats.scl.scl_reader import (
@@ -23,13 +24,7 @@ from plcopen_sfc.formats.scl.scl_reader import (
 )
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import (
-    BlockSpan,
-    Key,
-    WrittenBlock,
-    numbered_blocks,
-    section_block,
-)
+from plcopen_sfc.formats.text_patch import BlockSpan, Key, WrittenBlock, numbered_blocks
 from plcopen_sfc.languages.declarations import (
     read_declarations,
     split_units,

@@ -12,16 +12,10 @@ from collections.abc import Iterator, Sequence
 
 from plcopen_sfc.diagnostics import Diagnostic, Severity
 from plcopen_sfc.errors import Location
+from plcopen_sfc.formats.declaration_blocks import head_places, section_places
 from plcopen_sfc.formats.remainder_comments import DAMAGED, OUTDATED, put_back, read_entries
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import (
-    Place,
-    ReadText,
-    block_span,
-    head_places,
-    plain_lines,
-    section_places,
-)
+from plcopen_sfc.formats.text_patch import Place, ReadText, block_span, plain_lines
 from plcopen_sfc.languages.declarations import Declared, DeclaredUnit, Head, read_declarations, split_units, write_value
 from plcopen_sfc.languages.declarations.declaration_comments import comment_text
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept

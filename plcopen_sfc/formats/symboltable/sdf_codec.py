@@ -15,13 +15,7 @@ from plcopen_sfc.errors import Location
 from plcopen_sfc.formats.format_interface import ReadResult, WriteOptions
 from plcopen_sfc.formats.text_codec import TextCodec
 from plcopen_sfc.formats.text_encoding import SourceText
-from plcopen_sfc.formats.text_patch import (
-    BlockSpan,
-    Place,
-    WrittenBlock,
-    block_span,
-    numbered_blocks,
-)
+from plcopen_sfc.formats.text_patch import BlockSpan, Place, WrittenBlock, block_span, numbered_blocks
 from plcopen_sfc.languages.declarations import write_type
 from plcopen_sfc.languages.declarations.kept_texts import keep, kept
 from plcopen_sfc.languages.translation.literal_translation import translated_address
