@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
 from plcopen_sfc import model as m
 from plcopen_sfc.cli.summary import summarise
+from plcopen_sfc.errors import FormatError
 from plcopen_sfc.model.body import IlBody, OpaqueBody, StBody
 from plcopen_sfc.model.conditions import Expression
 from plcopen_sfc.model.sfc import BodyCondition
@@ -514,3 +516,14 @@ def test_what_only_codesys_v3_compiles_is_no_name(text: str) -> None:
     assert not project.diagnostics
     _, report = sfc.convert(project, "codesys23", partial=True)
     assert any("CoDeSys 2.3 has no" in each.why for each in report.losses)
+
+
+@pytest.mark.parametrize("data", [b"", b" \r\n\r\n"], ids=["empty", "blank"])
+def test_an_empty_export_is_not_asked_for_as_xml(data: bytes, tmp_path: Path) -> None:
+    """CoDeSys 2.3 exports no XML."""
+    path = tmp_path / "export.EXP"
+    path.write_bytes(data)
+    with pytest.raises(FormatError) as caught:
+        sfc.load(path)
+    assert "Export" in caught.value.hint
+    assert "XML" not in caught.value.hint
