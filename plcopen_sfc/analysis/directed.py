@@ -20,8 +20,9 @@ from math import frexp, inf, nextafter
 from random import Random
 from typing import Any, NamedTuple
 
-from plcopen_sfc.analysis.coverage import unreachable_in
+from plcopen_sfc.analysis.coverage import counted_charts, unreachable_in
 from plcopen_sfc.analysis.deciding_parts import ConditionParts
+from plcopen_sfc.analysis.distances import Measurement
 from plcopen_sfc.analysis.domains import GREATEST_REAL, Domain, NotProvableError, plain
 from plcopen_sfc.analysis.goals import Goal, Goals, total
 from plcopen_sfc.analysis.product import compare, end_of, failure_of
@@ -163,7 +164,8 @@ class DirectedSearch:
         self._look_at_time = look
         self._stopped = ""
         self._chance = Random(f"{seed}")  # noqa: S311  # no secret
-        leading = int(not left.instance.charts() and bool(right.instance.charts()))
+        # the side with more transitions tells more of what leads where: modes may be conditions there
+        leading = int(_transitions(left) < _transitions(right))
         self._goals = Goals(self._sides[leading], signals, parts[leading], look)
         self._parts = parts
         self._with_parts = [self._goals]
@@ -183,6 +185,7 @@ class DirectedSearch:
         self._waiting: list[tuple[int, bool, int, float, int, int]] = []
         self._visits: Counter[Any] = Counter()
         self._frontier: list[Goal] = []
+        self._measurement = Measurement([])
         self._reached = -1
         self._progress = 0
         self._dead: set[Goal] | None = None
@@ -322,7 +325,8 @@ class DirectedSearch:
             else:
                 self._looks_aside ^= is_stuck
             self._frontier = self._open()
-        distances = [goal.distance() for goal in self._frontier]
+            self._measurement = Measurement([goal.distance for goal in self._frontier])
+        distances = self._measurement.take()
         far = tuple((goal, _bucket(each)) for goal, each in zip(self._frontier, distances, strict=True) if each)
         key = (markings, far, len(self._frontier), self._others.markings())
         number = self._by_key.get(key)
@@ -366,7 +370,8 @@ class DirectedSearch:
                 for goals in self._with_parts
                 for goal in chain(goals.open_actions(), goals.open_parts(), goals.open_outcomes())
             )
-            others = islice(self._others.open_branches(), _MOST_OTHERS)  # most are reached with those of the first
+            others = chain(self._others.open_transitions(), self._others.open_branches())
+            others = islice(others, _MOST_OTHERS)  # most are reached with those of the first
             found = list(islice(chain(others, parts), _MOST_GOALS))
         return found
 
@@ -438,14 +443,18 @@ class DirectedSearch:
             for each in islice(goals.open_branches(), _MOST_GOALS)
             if each in self._frontier
         ]
+        measurement = Measurement([goal.distance for _, goal in wanted])
         for number in range(len(self._states) if wanted else 0):
             self._begin(number)
-            for goals, goal in wanted:
-                if goals.system.marks.reached[goal.branch] or goal.distance():
+            for (goals, goal), distance in zip(wanted, measurement.take(), strict=True):
+                if distance or goals.system.marks.reached[goal.branch]:
                     continue
                 values = goals.solve([goal], [])
                 if values is not None:
-                    self._scan({**self._states[number].row, **values})
+                    row = {**self._states[number].row, **values}
+                    # what is computed behind the branch, such as an edge, is seen there in the next scan
+                    if self._scan(row) and not goals.system.marks.reached[goal.branch]:
+                        self._scan(row)
                     self._begin(number)
 
     def _solve(self, number: int) -> None:
@@ -536,7 +545,9 @@ class DirectedSearch:
         """Add inputs that hold the situation, and with which branches are executed that wait for a time in it."""
         for goals in (self._goals, self._others) if held is not None else ():
             waiting = [goal for goal in goals.branches if goal.waits and goal in self._frontier]
-            for goal in sorted(waiting, key=lambda goal: goal.distance())[:_HOPES]:
+            distances = Measurement([goal.distance for goal in waiting]).take()
+            nearest = sorted(zip(distances, range(len(waiting)), strict=True))[:_HOPES]
+            for goal in (waiting[place] for _, place in nearest):
                 values = goals.solve([goal], [], hoping=True)
                 add({**(held or {}), **values} if values else None)
 
@@ -628,7 +639,7 @@ class DirectedSearch:
                 for _ in range(1 + skipped):
                     if not self._scan(row):
                         return
-            distance = total(goal.distance() for goal in self._frontier)
+            distance = total(self._measurement.take())
             if not distance < best:
                 return
             best = distance
@@ -661,6 +672,11 @@ class DirectedSearch:
                 return _text(self._chance.randrange(signal.length + 1))
             return signal.accept(self._chance.uniform(-1, 1) * 10 ** self._chance.randrange(-2, 7))
         return self._chance.choice(self._values[name])
+
+
+def _transitions(system: ProgramSystem) -> int:
+    """Return the number of transitions of the charts of a system."""
+    return sum(len(chart.net.transitions) for _, chart in counted_charts(system))
 
 
 def _bucket(distance: float) -> int:

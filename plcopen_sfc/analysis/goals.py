@@ -17,7 +17,7 @@ from typing import Any, cast
 
 from plcopen_sfc.analysis.coverage import counted_charts
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
-from plcopen_sfc.analysis.domains import plain
+from plcopen_sfc.analysis.distances import NO_DISTANCE, Distance, Distances, is_elapsed
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation, new_context
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
@@ -40,14 +40,11 @@ from plcopen_sfc.model.variables import SectionKind
 from plcopen_sfc.semantics.charts.running_chart import RunningChart
 from plcopen_sfc.semantics.net import NetTransition
 from plcopen_sfc.semantics.programs.marks import bounds, divisors
-from plcopen_sfc.semantics.programs.routines import Routines
 from plcopen_sfc.semantics.programs.runtime_types import Family, ScalarType
 from plcopen_sfc.semantics.signals import Signal, SignalKind, Value
 
-Distance = Callable[[], float]
 _FAR = 1e15
 _STORED = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
-_ELAPSED = frozenset({"T", "ET"})
 _MOST_BRANCHES = 600
 _MOST_CALLS = 8
 _MOST_INLINED = 2_000
@@ -59,7 +56,6 @@ class Goal:
     """A condition that is wanted TRUE.
 
     `sources` are the bits of the steps that must be active for that, of the chart of number `chart` (-1: of none).
-    `distance` tells how far the values of variables that are no inputs are from it; 0 where inputs alone decide.
     `part`: a part of a condition that decides it then; `action`: the bit of an action that it executes; `tries`: how
     often inputs that were to do it have not done it. `places`: numbers of charts, and bits of steps in one of which it
     is looked at, as far as that is known. `leads`: these are charts of the leading side. `waits`: it asks for an
@@ -79,9 +75,17 @@ class Goal:
     waits: bool = False
     leads: bool = True
     own: frozenset[str] = frozenset()
-    distance: Distance = lambda: 0.0
     last: Mapping[str, int] = field(default_factory=dict)
+    measured: Callable[[Goal], Distance] | None = field(default=None, repr=False)
     _formula: _Solving | None = field(default=None, repr=False)
+
+    @cached_property
+    def distance(self) -> Distance:
+        """How far the values of variables that are no inputs are from it; none where inputs alone decide.
+
+        A chart may have thousands of goals, of which a search looks at few: it is made when one asks.
+        """
+        return self.measured(self) if self.measured is not None else NO_DISTANCE
 
 
 @dataclass
@@ -121,8 +125,7 @@ class Goals:
         """The results of `_origin`."""
         self._solvable: dict[Goal, bool] = {}
         """The results of `_may_be_solved`."""
-        self._readers: dict[str, Callable[[], Any] | None] = {}
-        """The results of `_value` by the texts of expressions, which many goals have in common."""
+        self._distances = Distances(system, lambda text: self._input(text) is not None)
         self.transitions: list[list[Goal]] = [[] for _ in self.charts]
         self.branches: list[Goal] = []
         self.outcomes: list[Goal] = []
@@ -162,7 +165,7 @@ class Goals:
                 for node in walk(statement)
                 if isinstance(node, n.Name)
             )
-            self._measure(goal)
+            goal.measured = self._distance
         return goal
 
     def _outside(self, path: str, pou: Pou, steps: Iterable[str] = ()) -> Callable[[Expression], Expression]:
@@ -235,8 +238,8 @@ class Goals:
                 continue
             tree = normal_form(joined(Operator.AND, branch.guards))
             goal = Goal(branch.condition, tree, branch=number)
-            self._measure(goal)
-            goal.waits = any(map(self._is_elapsed, walk(tree)))
+            goal.measured = self._distance
+            goal.waits = any(map(is_elapsed, walk(tree)))
             goal.places = self._steps_asked(tree) or self._executing.get(branch.owner.casefold(), ())
             goals.append(goal)
 
@@ -282,7 +285,7 @@ class Goals:
                 if tree is not None:
                     tree = normal_form(tree)
                     goal = Goal(chart.reached.labels[action], tree, number, sources=steps, action=1 << action)
-                    self._measure(goal)
+                    goal.measured = self._distance
                     yield goal
 
     def _of_part(self, part: ConditionPart) -> Goal:
@@ -290,7 +293,7 @@ class Goals:
         transition = part.transition
         goal = Goal(part.text, part.deciding, number, transition.bit, transition.pre, part=part)
         goal.places = [(number, transition.pre)]
-        self._measure(goal)
+        goal.measured = self._distance
         return goal
 
     def _of_bounds(self) -> Iterator[Goal]:
@@ -456,23 +459,11 @@ class Goals:
 
     # -- how far
 
-    def _measure(self, goal: Goal) -> None:
-        """Let a goal tell how far it is, by its condition or by what its variables get in the scan.
-
-        A chart may have thousands of goals, of which a search looks at few: what measures them is made when one asks.
-        """
-
-        def first() -> float:
-            assert goal.tree is not None  # noqa: S101  # the caller looked
-            distance, origin = self._distance(goal.tree, wanted=True), self._origin(goal)
-            goal.distance = distance
-            if origin is not None and origin.tree is not None:
-                from_origin = self._distance(origin.tree, wanted=True)
-                goal.distance = lambda: min(distance(), from_origin())
-            self._library.link()
-            return goal.distance()
-
-        goal.distance = first
+    def _distance(self, goal: Goal) -> Distance:
+        """Return how far a goal is, by its condition or by what its variables get in the scan."""
+        origin = self._origin(goal)
+        trees = [each.tree for each in (goal, origin) if each is not None and each.tree is not None]
+        return self._distances.of(*trees)
 
     def _origin(self, goal: Goal) -> Goal | None:
         """Return the same goal with the expressions that its variables get in each scan in their places; None: none."""
@@ -492,84 +483,6 @@ class Goals:
             tree = (self._origin(goal) or goal).tree
             self._solvable[goal] = tree is not None and self._reads_inputs(tree)
         return self._solvable[goal]
-
-    def _distance(self, tree: Expression, *, wanted: bool) -> Distance:
-        match tree:
-            case n.Parenthesized(inner):
-                return self._distance(inner, wanted=wanted)
-            case n.Unary(Operator.NOT, operand):
-                return self._distance(operand, wanted=not wanted)
-            case n.Operation(Operator.AND | Operator.AND_THEN | Operator.OR | Operator.OR_ELSE as operator, operands):
-                parts = [self._distance(each, wanted=wanted) for each in operands]
-                if (operator in (Operator.AND, Operator.AND_THEN)) is wanted:
-                    return lambda: sum([part() for part in parts])
-                return lambda: min([part() for part in parts])
-            case n.Operation(operator, (left, right)) if operator in n.COMPARISONS:
-                return self._compared(operator if wanted else n.OPPOSITES[operator], left, right)
-        return self._boolean(tree, wanted=wanted)
-
-    def _boolean(self, tree: Expression, *, wanted: bool) -> Distance:
-        value = self._value(tree)
-        if value is None:
-            return lambda: 0.0
-        return lambda: float(bool(value()) is not wanted)
-
-    def _compared(self, operator: Operator, left: Expression, right: Expression) -> Distance:
-        first, second = self._value(left), self._value(right)
-        if first is None or second is None or any(map(self._is_elapsed, (left, right))):
-            return lambda: 0.0  # a time that runs comes nearer by itself
-
-        def distance() -> float:
-            a, b = first(), second()
-            if isinstance(a, str) or isinstance(b, str):
-                return float((a == b) is not (operator is Operator.EQUAL))
-            match operator:
-                case Operator.EQUAL:
-                    return float(abs(a - b))
-                case Operator.UNEQUAL:
-                    return float(a == b)
-                case Operator.LESS:
-                    return float(max(a - b + 1, 0)) if a >= b else 0.0
-                case Operator.LESS_OR_EQUAL:
-                    return float(max(a - b, 0))
-                case Operator.GREATER:
-                    return float(max(b - a + 1, 0)) if a <= b else 0.0
-            return float(max(b - a, 0))
-
-        return distance
-
-    def _is_elapsed(self, tree: n.Node) -> bool:
-        """True if it is the elapsed time of a step or of a timer."""
-        return isinstance(tree, n.Member) and tree.name.identifier.upper() in _ELAPSED
-
-    def _value(self, tree: Expression) -> Callable[[], Any] | None:
-        """Return a reader of a value after a scan; None where it depends on inputs, or on what must not be called."""
-        text = print_node(tree)
-        if text not in self._readers:
-            self._readers[text] = self._reader(tree, text)
-        return self._readers[text]
-
-    def _reader(self, tree: Expression, text: str) -> Callable[[], Any] | None:
-        for node in walk(tree):
-            if isinstance(node, n.Call):
-                return None
-            if isinstance(node, n.Operand) and self._input(print_node(node)) is not None:
-                return None
-        instance = self.system.instance
-        try:
-            with instance.adding_nothing():  # a branch of a method has names that are known in the method alone
-                function = Routines(instance.unit.scope).expression(text, instance.unit.pou.name)
-        except SfcError:
-            return None
-        frame = instance.frame
-
-        def value() -> Any:
-            try:
-                return plain(function(frame))  # an input of a block may still have what a search put there
-            except (SfcError, ArithmeticError, TypeError, AttributeError, IndexError):
-                return 0
-
-        return value
 
     def _input(self, text: str) -> str | None:
         """Return the input of this name, as both systems call it."""

@@ -37,7 +37,7 @@ from plcopen_sfc.errors import (
 from plcopen_sfc.semantics.signals import Value
 
 RUNS_FOR_A_STATE = 4
-_BEFORE_GIVING_UP = 4
+_BEFORE_GIVING_UP = 16
 """The part of all scans that are run before it is estimated how many more there will be."""
 
 BOTH_FAIL = "both end with an error"
@@ -251,18 +251,16 @@ def _search(
     too_many = f"more than {limit:,} scans to search"
     while waiting:
         number, before_left, before_right = waiting.popleft()
-        searched = len(origins) - len(waiting) - 1
-        # those that wait take about as many scans each as those before them: when they alone are too many, the search
-        # cannot end in time, and the scans are better spent on directed runs
-        if runs > limit // _BEFORE_GIVING_UP and runs + len(waiting) * runs / searched > limit:
-            return _stopped(len(seen), depths[number], too_many)
         for values in branching.combinations():
             try:
                 yield Progress(runs, depths[number], len(seen))
             except StopError as stop:
                 return _stopped(len(seen), depths[number], str(stop))
             runs += 1
-            if runs > limit:
+            # those that wait take about as many scans each as those before them: when they alone are too many, the
+            # search cannot end in time, and the scans are better spent on directed runs
+            more = len(waiting) * runs / (len(origins) - len(waiting)) if runs > limit // _BEFORE_GIVING_UP else 0
+            if runs + more > limit:
                 return _stopped(len(seen), depths[number], too_many)
             left.restore(before_left)
             right.restore(before_right)

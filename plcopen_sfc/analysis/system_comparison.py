@@ -61,6 +61,15 @@ def _without_other_steps(
     return [each for each in pairs if is_same(each[0], each[2])]
 
 
+def _both_write(left: ProgramSystem, right: ProgramSystem, pair: tuple[str, Signal, str]) -> bool:
+    """True if the programs or charts of both write a variable that only one of their tools knows by itself."""
+    name, _, other = pair
+    return all(
+        system.writes(path) or (system.instance.charts() and path.upper() in operating_names(system.profile))
+        for system, path in ((left, name), (right, other))
+    )
+
+
 class Comparison:
     """Two systems and what of them is compared."""
 
@@ -82,7 +91,11 @@ class Comparison:
         else:
             pairs = output_pairs(left, right, names, delayed=delay.is_apart)
             own = _names_of_one_tool(left, right)
-            pairs = [each for each in pairs if each[0].upper().rpartition(".")[2] not in own]
+            pairs = [
+                each
+                for each in pairs
+                if each[0].upper().rpartition(".")[2] not in own or _both_write(left, right, each)
+            ]
         steps = step_observations(left, right, step_flags)
         pairs = _without_other_steps(left, pairs, steps)
         given = {*left.inputs, *right.inputs}  # what VAR_IN_OUT are before and after a scan has two names

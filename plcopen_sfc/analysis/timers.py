@@ -409,14 +409,15 @@ class RunningClocks:
     def next_end(self, clock: Clocking) -> int | None:
         """Return in how many scans the next clock ends, if one runs; one that has just ended is waited for.
 
-        A condition may want more than the time, or see it a scan later.
+        A condition may want more than the time, or see it a scan later. One that was set in this scan, though nothing
+        else has changed in it, is set in each: it tells when the last one was.
         """
         now = self._controller.now
         past = STEADY * clock.scan_time
         left = [
             constant - (now - start)
             for cells, slot in self._starts
-            if (start := cells[slot]) is not None
+            if (start := cells[slot]) is not None and start != now
             for constant in clock.constants
             if constant + past > now - start
         ]
