@@ -6,7 +6,8 @@
 * Conditions: `exclusivity`, with `knowledge` of names, `formulas` for z3; `joint_firings` (situations that they leave).
 * Comparisons: `equivalence` with its `verdict` and `coverage`; `systems` and `pairing` (what is compared),
   `system_comparison`, `product` (the search for a proof), `sequences` (what races with a transition), `directed`
-  with `goals`, their `distances` and `stimuli` (the search without a proof), `decomposition` into `program_parts`, `search_limits`.
+  (the search without a proof) with `goals`, their `distances`, `assigned_values` (of what variables are computed) and
+  `stimuli`, `decomposition` into `program_parts`, `search_limits`.
 * State of a search: `domains` and `number_terms` (values of inputs), `dead_variables` and `timers` (what is no part of
   it), `deciding_parts` (MC/DC).
 """

@@ -42,6 +42,8 @@ _REGISTERING = frozenset({"reg_ef", "reg_s"})
 _NO_EVENT = "the event R1, which nothing registers (proven)"
 _SWITCHING = frozenset(name.casefold() for name in OPERATING) - {"ack_ef"} - _REGISTERING
 """Operating inputs of S7-GRAPH that switch steps, or have something else than conditions switch them."""
+_ENTERING = frozenset({"s_on"})
+"""Those that may enter any step."""
 
 Key = tuple[str, str, int, str]
 """A part that can be reached: the chart or text that it is in, its name, a number where names are not unique, and the
@@ -365,27 +367,27 @@ def unreachable_in(
     never: Sequence[Expression] = (),
     is_late: Callable[[], bool] = lambda: False,
 ) -> Unreachable:
-    """Return the unreachable parts; where other things than transitions switch steps, none are known.
+    """Return the unreachable parts; with forcing orders none are known.
 
-    These are forcing orders, and in S7-GRAPH actions and operating inputs that do not rest. Of code that does the same
-    as a chart see `Tally.coverage`.
+    In S7-GRAPH actions and operating inputs that do not rest switch steps, too. Of code that does the same as a chart
+    see `Tally.coverage`.
     """
     charts = _charts(system)
     fired = {name: chart.reached.transitions for name, chart in charts}
-    known = not any(each.net.hierarchy or _is_operated(system, each) for _, each in charts)
-    nets = {name: each.net for name, each in charts} if known else {}
-    return Unreachable(system, nets, fired, chart, never, is_late=is_late)
+    nets = {name: each.net for name, each in charts if not any(chart.net.hierarchy for _, chart in charts)}
+    operated = _are_operated(system, charts, _SWITCHING)
+    entered = _are_operated(system, charts, _ENTERING)
+    return Unreachable(system, nets, fired, chart, never, operated=operated, entered=entered, is_late=is_late)
 
 
-def _is_operated(system: ProgramSystem, chart: RunningChart) -> bool:
-    """True if inputs or actions of a sequencer may switch its steps."""
-    if not isinstance(chart, GraphProgram):
-        return False
-    rows = (row for step in chart.net.steps for row in step.step.actions)
-    return _are_operated(system, _SWITCHING) or any(row.qualifier in SWITCHES for row in rows)
+def _are_operated(system: ProgramSystem, charts: Iterable[tuple[str, RunningChart]], names: Set[str]) -> bool:
+    """True if actions of sequencers, or some operating inputs (lower case), may switch steps."""
+    graphs = [chart for _, chart in charts if isinstance(chart, GraphProgram)]
+    rows = (row for chart in graphs for step in chart.net.steps for row in step.step.actions)
+    return bool(graphs) and (_may_operate(system, names) or any(row.qualifier in SWITCHES for row in rows))
 
 
-def _are_operated(system: ProgramSystem, names: Set[str]) -> bool:
+def _may_operate(system: ProgramSystem, names: Set[str]) -> bool:
     """True if a block declares one of some operating inputs (lower case), and it does not rest."""
     declared = {variable.name.casefold() for variable in system.subject.pou.variables()}
     return not declared & names <= {name for name, value in system.fixed.items() if not value}
@@ -522,7 +524,7 @@ class _Reasons:
 
     def _never_comes(self, association: ActionAssociation) -> bool:
         """True if an action depends on an event that only inputs make which nothing operates."""
-        return association.event is ActionEvent.R1 and not _are_operated(self._system, _REGISTERING)
+        return association.event is ActionEvent.R1 and not _may_operate(self._system, _REGISTERING)
 
     def _waits_for_nothing(self, owner: str, assignment: str) -> bool:
         """True if an assignment is the value of actions of a step, and their events never come."""

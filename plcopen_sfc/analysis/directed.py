@@ -370,8 +370,7 @@ class DirectedSearch:
                 for goals in self._with_parts
                 for goal in chain(goals.open_actions(), goals.open_parts(), goals.open_outcomes())
             )
-            others = chain(self._others.open_transitions(), self._others.open_branches())
-            others = islice(others, _MOST_OTHERS)  # most are reached with those of the first
+            others = islice(self._others.open_branches(), _MOST_OTHERS)  # most are reached with those of the first
             found = list(islice(chain(others, parts), _MOST_GOALS))
         return found
 

@@ -6,7 +6,6 @@ the present values of everything else.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import date, timedelta
@@ -15,6 +14,7 @@ from itertools import chain, islice, takewhile
 from types import MappingProxyType
 from typing import Any, cast
 
+from plcopen_sfc.analysis.assigned_values import assigning_texts, with_values
 from plcopen_sfc.analysis.coverage import counted_charts
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
 from plcopen_sfc.analysis.distances import NO_DISTANCE, Distance, Distances, is_elapsed
@@ -47,8 +47,6 @@ _FAR = 1e15
 _STORED = frozenset({Qualifier.S, Qualifier.SD, Qualifier.DS, Qualifier.SL})
 _MOST_BRANCHES = 600
 _MOST_CALLS = 8
-_MOST_INLINED = 2_000
-"""Nodes of the expressions that are put in the places of variables of one."""
 
 
 @dataclass(eq=False)
@@ -320,13 +318,13 @@ class Goals:
         for number, guards in marks.zeros:
             owner = marks.branches[number].owner
             if owner == own or owner.startswith((f"{own}.", f"{own} ")):
-                tree = _inlined(normal_form(joined(Operator.AND, guards)), self._assigned)
+                tree = with_values(normal_form(joined(Operator.AND, guards)), self._assigned)
                 if self._reads_inputs(tree):
                     yield Goal(print_node(guards[-1]), tree, branch=number)
         for goal in chain.from_iterable(self.transitions):
             for divisor in divisors(goal.tree) if goal.tree is not None else ():
                 is_zero = n.Operation(Operator.EQUAL, (n.Parenthesized(divisor), n.Literal("0")))
-                tree = _inlined(normal_form(is_zero), self._assigned)
+                tree = with_values(normal_form(is_zero), self._assigned)
                 if self._reads_inputs(tree):
                     yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources)
 
@@ -468,7 +466,7 @@ class Goals:
     def _origin(self, goal: Goal) -> Goal | None:
         """Return the same goal with the expressions that its variables get in each scan in their places; None: none."""
         if goal not in self._origins:
-            tree = _inlined(goal.tree, self._assigned) if goal.tree is not None else None
+            tree = with_values(goal.tree, self._assigned) if goal.tree is not None else None
             found = replace(goal, tree=tree, _formula=None) if tree is not goal.tree else None
             self._origins[goal] = found
             if found is not None:
@@ -538,31 +536,18 @@ class Goals:
 
     @cached_property
     def _assigned(self) -> Mapping[str, Expression]:
-        """The expression of each variable of the POU that one statement assigns and nothing else writes, by its name.
+        """The expressions of variables that one statement assigns, by their names (lower case).
 
-        That is all that it depends on where the statement is executed in each scan: an edge of an input, a mode. A
+        That is all that one depends on where the statement is executed in each scan: an edge of an input, a mode. A
         variable that gets its value further down has that of the scan before there; one of another text is taken as
         computed before, as edges and modes are.
         """
-        pou, dialect = self.system.subject.pou, self._project.dialect
-        texts = [bind(body, dialect) for _, _, body in pou.named_bodies()]
-        written = Counter(print_node(target).casefold() for text in texts for target in text.targets())
-        acting = {".".join(path) for text in texts for chart in text.charts for path in chart.acting.writes}
-        found: list[dict[str, Expression]] = []  # of each text
-        for text in texts:
-            inside: dict[str, Expression] = {}
-            for statement in text.statements:
-                match statement:
-                    case n.Assignment(n.Name(name), value, n.AssignmentKind.ASSIGN):
-                        key = name.casefold()
-                        if written[key] == 1 and key not in acting:
-                            inside[key] = _inlined(value, inside)
-            found.append(inside)
+        found = [text.inlined for text in assigning_texts(self.system.subject.pou, self._project.dialect)]
         all_texts = {key: value for inside in found for key, value in inside.items()}
         whole: dict[str, Expression] = {}
         for inside in found:  # what is left of its own names has the value of the scan before
             others = {key: value for key, value in all_texts.items() if key not in inside}
-            whole |= {key: _inlined(value, others) for key, value in inside.items()}
+            whole |= {key: with_values(value, others) for key, value in inside.items()}
         return whole
 
     def _formula(self) -> Formula:
@@ -622,25 +607,6 @@ class Goals:
         if names and isinstance(value, int) and not isinstance(value, bool):
             return next((name for name, number in names.items() if number == value), None)
         return value
-
-
-def _inlined(tree: Expression, assigned: Mapping[str, Expression]) -> Expression:
-    """Return an expression with those that are assigned to its variables in their places.
-
-    It stays as it is where it would become too long: one that names the one before it twice doubles with each.
-    """
-    names = (node.identifier.casefold() for node in walk(tree) if isinstance(node, n.Name))
-    put_in = chain.from_iterable(walk(assigned[name]) for name in names if name in assigned)
-    if next(islice(put_in, _MOST_INLINED, None), None) is not None:
-        return tree
-
-    def changed(node: n.Node) -> n.Node:
-        if isinstance(node, n.Name):
-            found = assigned.get(node.identifier.casefold())
-            return node if found is None else n.Parenthesized(found)
-        return node if isinstance(node, n.Member | n.Index | n.Call) else with_children(node, changed)
-
-    return cast("Expression", changed(tree))
 
 
 def _same(tree: Expression) -> Expression:

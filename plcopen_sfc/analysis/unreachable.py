@@ -14,6 +14,7 @@ from datetime import date
 from functools import cache, cached_property, reduce
 from operator import and_, or_
 
+from plcopen_sfc.analysis.assigned_values import assigning_texts
 from plcopen_sfc.analysis.exclusivity import condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge, constant_of
@@ -71,7 +72,8 @@ class Unreachable:
     """Looks at the charts of a system; `nets` are those that are looked at, by name, `fired` what fired somewhere.
 
     Code that does the same as a `chart` executes no text of it that the chart never executes; `never`: conditions that
-    are then never TRUE in the code. `is_late` tells that no more can be proven, for want of time.
+    are then never TRUE in the code. `operated`: inputs may leave steps, and let transitions fire or not, whatever
+    their conditions are; `entered`: they may enter any step. `is_late` tells that there is no time to prove more.
     """
 
     def __init__(
@@ -82,9 +84,12 @@ class Unreachable:
         chart: Unreachable | None = None,
         never: Sequence[Expression] = (),
         *,
+        operated: bool = False,
+        entered: bool = False,
         is_late: Callable[[], bool] = lambda: False,
     ) -> None:
         self._system = system
+        self._operated, self._entered = operated, entered
         self._is_late = is_late
         self._pou = system.subject.pou
         self._nets = nets
@@ -167,8 +172,9 @@ class Unreachable:
 
     def is_never_tested(self, name: str, transition: NetTransition, tree: Expression) -> bool:
         """True if `tree` is FALSE wherever a chart of this name tests the condition of a transition."""
-        trees = [tree, *self._false_before(name, transition)]
-        return self._is_impossible(trees, transition.chart, self.fixed, self._tested_in(name, transition))
+        # of a sequencer that inputs hold, competing transitions may be TRUE and not fire
+        before = self._false_before(name, transition) if not self._operated else []
+        return self._is_impossible([tree, *before], transition.chart, self.fixed, self._tested_in(name, transition))
 
     def frozen_by(self, trees: Sequence[Expression], chart: SfcNetwork | None) -> list[str]:
         """The variables whose values keep conditions from being TRUE together, as nothing writes or gives them."""
@@ -182,7 +188,8 @@ class Unreachable:
     def _tested_in(self, name: str, transition: NetTransition) -> _Situations | None:
         """Return the situations in which a chart tests the condition of a transition; None: not known."""
         net = self._nets.get(name)
-        if net is None or self._system.profile.evolution is not Evolution.SINGLE or not self._graph(name).complete:
+        is_known = net is not None and not self._operated and self._system.profile.evolution is Evolution.SINGLE
+        if net is None or not is_known or not self._graph(name).complete:
             return None
         pre = transition.pre
         return _Situations(net, tuple((marking, ~marking) for marking in self._graph(name) if not pre & ~marking))
@@ -194,7 +201,7 @@ class Unreachable:
         """True if a step of a chart is always left before a time has passed: a condition behind it is TRUE then."""
         dialect = self._system.subject.project.dialect
         limit = parse_condition(f"{step.path}.T >= {time}", dialect)
-        if name not in self._nets or step.step.min_time or limit.problems:
+        if name not in self._nets or self._operated or step.step.min_time or limit.problems:
             return False
         for transition in self._nets[name].transitions:
             condition = self._condition(transition) if transition.sources == (step.index,) else None
@@ -244,18 +251,19 @@ class Unreachable:
         never: dict[str, set[int]] = {}
         executed = {""}
         said = self._always_said()
+        never_set = self._never_set(own)
         # Each round only adds: an action that is executed names further ones and writes further variables, so fewer are
         # fixed and fewer conditions are never TRUE. It starts with nothing executed: two actions that only call each
         # other must not keep each other alive.
         while True:
             before = (len(executed), len(said), sum(map(len, possible.values())))
-            fixed = (own & written) - said
+            fixed = ((own & written) - said) | never_set
             for key in executed & charts.keys():
                 name = charts[key]
                 net = self._nets[name]
                 asked = net.transitions if name not in never else [net.transitions[i] for i in sorted(never[name])]
                 never[name] = {t.index for t in asked if self._is_never(name, t, fixed)}
-                possible[name] = _entered(net, never[name])
+                possible[name] = {s.index for s in net.steps} if self._entered else _entered(net, never[name])
                 for index in possible[name]:
                     said |= self._changing_names(self._acting(net.steps[index].step))
                 for macro in net.macros:
@@ -273,12 +281,23 @@ class Unreachable:
         )
         for name, net in self._nets.items():
             dead = {step.index for step in net.steps} - possible[name]
-            if name in {charts[key] for key in executed & charts.keys()} and len(dead) < len(net.steps):
+            is_executed = name in {charts[key] for key in executed & charts.keys()}
+            if is_executed and not self._operated and len(dead) < len(net.steps):
                 dead |= {step.index for step in self._graph(name).unreachable_steps or ()}
             self.steps[name] = dead
             self.transitions[name] = never.get(name, set()) | {
                 t.index for t in net.transitions if set(t.sources) & dead
             }
+
+    def _never_set(self, own: set[str]) -> set[str]:
+        """Return those of the POU's own variables that are FALSE at first, and FALSE whenever they are computed."""
+        texts = assigning_texts(self._pou, self._system.subject.project.dialect)
+        computed = [(name, value) for text in texts for name, value in text.computed.items() if name in own]
+        return {
+            name
+            for name, value in computed
+            if self._first_value(name) is False and self._is_impossible([value], self._pou.chart, set())
+        }
 
     def _acting(self, step: Step) -> Step:
         """Return a step without associations that never act, as their time is over at once."""
@@ -302,7 +321,7 @@ class Unreachable:
     def _situations_of(self, action: str) -> _Situations | None:
         step = self._only_step.get(action)
         own = self._pou.name
-        if step is None or self._system.profile.evolution is not Evolution.SINGLE:
+        if step is None or self._operated or self._system.profile.evolution is not Evolution.SINGLE:
             return None
         net = self._nets[own]
         firing = [t for t in net.transitions if t.index not in self.transitions.get(own, ())]
@@ -410,9 +429,10 @@ class Unreachable:
         """Return True if the condition of an unfired transition is FALSE while some variables are not written."""
         if self._fired[name] & transition.bit:
             return False
-        condition = self._condition(transition)
-        trees = [] if condition is None else [condition, *self._false_before(name, transition)]
-        return bool(trees) and self._is_impossible(trees, transition.chart, fixed)
+        condition, before = self._condition(transition), self._false_before(name, transition)
+        if condition is None or (self._operated and not before):  # T_PUSH lets the first one fire, if it is FALSE, too
+            return False
+        return self._is_impossible([condition, *before], transition.chart, fixed)
 
     def _is_impossible(
         self,

@@ -527,6 +527,22 @@ def test_what_a_transition_with_priority_excludes_is_not_demanded(condition: str
     assert never.items() <= {each.name: each.why for each in found.coverage[0].unreached if each.impossible}.items()
 
 
+@pytest.mark.parametrize(
+    ("first", "action", "is_proven"),
+    [
+        ("FALSE", "on := b; flag := on AND NOT b;", True),
+        ("FALSE", "on := b; flag := a AND NOT (on OR NOT b);", True),
+        ("FALSE", "flag := on AND NOT b; on := b;", False),  # of the scan before
+        ("FALSE", "IF a THEN on := b; END_IF; flag := on AND NOT b;", False),
+        ("FALSE", "on := b; on := NOT b; flag := on AND NOT b AND m > 123456;", False),
+        ("TRUE", "on := b; flag := on AND NOT b;", False),
+    ],
+)
+def test_a_variable_that_is_always_computed_as_false_is_false(first: str, action: str, is_proven: bool) -> None:
+    found = flagged(first, action)
+    assert ("S3" in {each.name for each in found.coverage[0].unreached if each.impossible}) is is_proven, str(found)
+
+
 GUARDED = """FUNCTION_BLOCK Main VAR_INPUT a, b : BOOL; {} END_VAR VAR_OUTPUT n : INT; END_VAR
 INITIAL_STEP S1: END_STEP STEP S2: END_STEP STEP S3: END_STEP
 TRANSITION FROM S1 TO S2 := a; END_TRANSITION
@@ -538,7 +554,13 @@ END_FUNCTION_BLOCK"""
 
 @pytest.mark.parametrize(
     ("declared", "switches", "is_proven"),
-    [("", False, True), ("ACK_EF : BOOL;", False, True), ("S_ON : BOOL;", False, False), ("", True, False)],
+    [
+        ("", False, True),
+        ("ACK_EF : BOOL;", False, True),
+        ("SW_TOP, T_PUSH, OFF_SQ : BOOL;", False, True),
+        ("S_ON : BOOL;", False, False),
+        ("", True, False),
+    ],
 )
 def test_what_nothing_reaches_in_a_sequencer_is_not_demanded(declared: str, switches: bool, is_proven: bool) -> None:
     """It was not known of any sequencer of S7-GRAPH, though only some have steps that other things switch."""
@@ -550,6 +572,8 @@ def test_what_nothing_reaches_in_a_sequencer_is_not_demanded(declared: str, swit
     found = equivalent(main, main, "s7graph", cap=2, runs=2, scans=10)
     told = {each.name: each.why for each in found.coverage[0].unreached if each.impossible}
     assert ("S3" in told) is is_proven, str(found)
+    # T_PUSH lets the first of two transitions fire, and nothing the second while that is TRUE
+    assert [each.kind for each in found.coverage[0].unreached if each.impossible].count("transition") == 1 + is_proven
 
 
 @pytest.mark.parametrize(("declared", "is_proven"), [("", True), ("REG_S : BOOL;", False)])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 import plcopen_sfc as sfc
+from plcopen_sfc import equivalent
 from plcopen_sfc import model as m
 from plcopen_sfc.model.compare import differences
 from plcopen_sfc.pages.page_words import german
@@ -127,6 +129,30 @@ def test_operating_modes_are_executed(inputs: tuple[str, ...], target: str) -> N
     assert same.proven or "S_SEL" in inputs, same
     assert list(differences(source, as_file(sfc.loads(data, format=target)))) == []
     assert sfc.dumps(sfc.loads(data, format=target), format=target) == data
+
+
+def test_outputs_that_the_tool_of_the_source_writes_are_compared() -> None:
+    """`S_NO` is code of the target: it was left out of comparisons, as no other tool than TIA Portal knows the name."""
+    source = built("plain", ("INIT_SQ",), ("S_NO", "S_ACTIVE"))
+    result = sfc.loads(sfc.dumps(source, format="codesys", strict=True), format="codesys", as_tool=True)
+    main = result.pou("Main")
+    compared = partial(equivalent, source.pou("Main"), main, ("s7graph", "codesys"), delay="auto", cap=2000)
+    same = compared(inputs={"INIT_SQ": "INIT_SQ"})
+    assert same.proven, same
+    assert {"S_NO", "S_ACTIVE"} <= {*same.compared}
+    wrong = next(action.body for action in main.actions if "S_NO := 2" in action.body.text)
+    wrong.text = wrong.text.replace("S_NO := 2", "S_NO := 3")
+    assert compared(inputs={"INIT_SQ": "INIT_SQ"}).different
+
+
+@pytest.mark.slow
+def test_a_manual_mode_with_a_shown_step_is_compared_whole() -> None:
+    """All numbers that S_NEXT and S_PREV lead to are shown with two steps active, which takes S_ON and S_SEL before."""
+    inputs = ("SW_AUTO", "SW_MAN", "S_ON", "S_OFF", "S_SEL", "S_NEXT", "S_PREV")
+    source = built("plain", inputs, ("S_NO", "S_MORE", "S_ACTIVE"))
+    report = sfc.convert(source, "codesys", limit=120).report
+    assert not report.untested
+    assert report.compared["POU Main"].startswith("equal"), report.compared
 
 
 ALL_INPUTS = ("INIT_SQ", "OFF_SQ", "SW_AUTO", "SW_MAN", "SW_TAP", "SW_TOP", "T_PUSH", "S_ON", "S_OFF", "S_SEL")
