@@ -17,7 +17,7 @@ from typing import Any, cast
 from plcopen_sfc.analysis.assigned_values import assigning_texts, with_values
 from plcopen_sfc.analysis.coverage import counted_charts
 from plcopen_sfc.analysis.deciding_parts import ConditionPart, ConditionParts
-from plcopen_sfc.analysis.distances import NO_DISTANCE, Distance, Distances, is_elapsed
+from plcopen_sfc.analysis.distances import NO_DISTANCE, Distance, Distances, Measurement, is_elapsed
 from plcopen_sfc.analysis.exclusivity import association_condition, condition_of
 from plcopen_sfc.analysis.formulas import Formula, JudgedCondition, negation, new_context
 from plcopen_sfc.analysis.knowledge import ProjectKnowledge
@@ -117,8 +117,8 @@ class Goals:
         self.charts = [(chart, frame) for _, chart, frame in found if isinstance(chart, RunningChart)]
         called = {id(chart): name for name, chart in counted_charts(system)}
         self._own = [chart for _, chart in system.instance.unit.charts]
-        self._terms: dict[tuple[int, ...], tuple[list[Goal], Formula, list[Any]]] = {}
-        """The terms of goals by their ids, with these goals, so that no other gets the id of one."""
+        self._terms: dict[frozenset[Goal], tuple[Formula, Mapping[Goal, Any]]] = {}
+        """The terms of goals, in one formula."""
         self._origins: dict[Goal, Goal | None] = {}
         """The results of `_origin`."""
         self._solvable: dict[Goal, bool] = {}
@@ -311,7 +311,7 @@ class Goals:
                     key = (goal.chart, goal.sources, print_node(tree))
                     if key not in seen and self._reads_inputs(tree):
                         seen.add(key)
-                        yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources)
+                        yield Goal(goal.name, tree, goal.chart, goal.bit, goal.sources, measured=self._distance)
 
     def _of_zeros(self) -> Iterator[Goal]:
         marks, own = self.system.marks, self.system.subject.pou.name
@@ -505,6 +505,12 @@ class Goals:
         from scan to scan has any value. `avoided` are numbers that inputs are not to have. Only as good as what z3
         knows of the conditions.
         """
+        if not hoping and remembering:
+            if any(map(_is_far, wanted)):
+                return None
+            unwanted = [goal for goal in unwanted if not _is_far(goal)]
+            if not wanted and not unwanted:
+                return {}  # all are FALSE whatever the inputs are
         goals = [*wanted, *unwanted]
         if any(goal.tree is None for goal in goals):
             return None
@@ -570,16 +576,17 @@ class Goals:
         self, wanted: Sequence[Goal], unwanted: Sequence[Goal], known: Mapping[str, Any], avoided: Mapping[str, int]
     ) -> dict[str, Value] | None:
         goals = [*wanted, *unwanted]
-        key = tuple(map(id, goals))
+        key = frozenset(goals)
         if key not in self._terms and len(goals) == 1:
             alone = self._solving(goals[0])
-            self._terms[key] = goals, alone.formula, [alone.term]
-        if key not in self._terms:  # making them takes longer than solving them
+            self._terms[key] = alone.formula, {goals[0]: alone.term}
+        if key not in self._terms:  # making them takes longer than solving them, for each of some transitions
             formula = self._formula()
             trees = [goal.tree for goal in goals if goal.tree is not None]
-            self._terms[key] = goals, formula, formula.terms([JudgedCondition(tree) for tree in trees])
-        _, formula, terms = self._terms[key]
-        terms = [*terms[: len(wanted)], *map(negation, terms[len(wanted) :])]
+            terms = formula.terms([JudgedCondition(tree) for tree in trees])
+            self._terms[key] = formula, dict(zip(goals, terms, strict=True))
+        formula, of = self._terms[key]
+        terms = [*(of[goal] for goal in wanted), *(negation(of[goal]) for goal in unwanted)]
         inputs = {text: self._input(text) for text in formula.names()} if avoided else {}
         others = {text: avoided[name] for text, name in inputs.items() if name is not None and name in avoided}
         found = formula.model(terms, {text: self._named(text, value) for text, value in known.items()}, others)
@@ -607,6 +614,11 @@ class Goals:
         if names and isinstance(value, int) and not isinstance(value, bool):
             return next((name for name, number in names.items() if number == value), None)
         return value
+
+
+def _is_far(goal: Goal) -> bool:
+    """True if no inputs make a goal TRUE now, which takes less time than asking z3."""
+    return not goal.own and Measurement([goal.distance]).take() != [0.0]
 
 
 def _same(tree: Expression) -> Expression:
