@@ -215,8 +215,8 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
     """Compare with several delays: the first proof counts, else the best verdict, else the longest trace.
 
     Both sides are prepared for each delay, which takes longer than a short limit where they are large. Then the
-    likeliest delay comes first, and no other where that one shows no difference. A delay that no time is left for is
-    not known to make a difference.
+    likeliest delay comes first, and no other where that one shows no difference. Each has half of the time that is
+    left, the last one all of it: a delay that none is left for is not known to make a difference.
     """
     longest: tuple[tuple[bool, int, bool], Delay, Verdict | None] | None = None
     likely = in_retiming(compared.profiles) or 0
@@ -236,7 +236,8 @@ def _best_of(wanted: Sequence[Delay], compared: _Compared, tries: _Tries) -> Ver
         if not is_short:
             length = compared.quick_difference(each, tries)
         if length is None:
-            found = compared.verdict(each, tries)
+            left = end - spent() if end is not None else None
+            found = compared.verdict(each, tries._replace(limit=left and (left if each is wanted[-1] else left / 2)))
             if found.interrupted and best is not None:
                 reason = f"{best.reason}; {INTERRUPTED}"
                 found = replace(best, kind=VerdictKind.UNTESTED, reason=reason, interrupted=True)

@@ -100,9 +100,7 @@ class SearchWatch:
             self._report(SearchProgress(self.proving, states, *self._reached(), passed, self._limit))
         if self._limit is None or passed < self._limit * (_PROVING if self.proving else 1):
             return ""
-        share = ""
-        if self.proving and self._limit > 0:
-            share = "half of " if self._limit == self._whole else "half of what was left of "
+        share = "half of " * self.proving if self._limit == self._whole else "its share of " * (self._limit > 0)
         return f"{share}the time limit of {self._whole:.3g} s was reached"
 
     def is_late(self) -> bool:

@@ -136,7 +136,8 @@ ConvertReport = Annotated[
 ]
 ConvertVerify = Annotated[bool, _option("--verify/--no-verify", "Simulate the charts for both tools, or do not.")]
 ConvertLimit = Annotated[
-    str, _option("--limit", "Simulate the charts for both tools for so long; auto: 0.1 s a step, at least 5 s.", "TIME")
+    str,
+    _option("--limit", "Simulate the charts for both tools for so long; auto: 0.1 s a step, at least 20 s.", "TIME"),
 ]
 Charts = Annotated[
     bool | None, _option("--charts/--no-charts", "Outline each chart. The default is to do so for few charts.")

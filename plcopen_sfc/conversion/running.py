@@ -76,8 +76,11 @@ if TYPE_CHECKING:
 _CAP, _RUNS, _MOST_RUNS, _SCANS = 2_000, 10, 100, 100
 """States of a search for a proof, and runs without one: a difference between tools shows early, or is proven away."""
 
-_LEAST_LIMIT, _LIMIT_OF_STEP = 5.0, 0.1
-"""Seconds for which charts are simulated if no limit is given: 300 steps are entered and compared in 20."""
+_LEAST_LIMIT, _LIMIT_OF_STEP = 20.0, 0.1
+"""Seconds for which charts are simulated at most if no limit is given.
+
+Steps are entered and compared in 0.1 s each, those with a manual mode of S7-GRAPH and a handful of steps in 10 to 20.
+"""
 
 _APART = OPERATING_KINDS | {SHOWN_STATE, STABILITY, START, FIRST_SCAN, CHART_OF_ACTION, ORDER_OF_ACTIONS, FALLING_EDGE}
 _APART |= {

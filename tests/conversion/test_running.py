@@ -837,7 +837,7 @@ def test_a_large_chart_leaves_time_for_the_others(monkeypatch: pytest.MonkeyPatc
     assert [20 / (4 - number) + 0.001 > limit for number, limit in enumerate(limits)] == [True] * 4
 
 
-@pytest.mark.parametrize(("steps", "limit"), [(2, 5.0), (300, 30.0)])
+@pytest.mark.parametrize(("steps", "limit"), [(2, 20.0), (300, 30.0)])
 def test_an_automatic_limit_grows_with_the_charts(monkeypatch: pytest.MonkeyPatch, steps: int, limit: float) -> None:
     limits: list[float] = []
 
